@@ -36,7 +36,7 @@ SEEDS = range(410, 415)  # used for nothing else
 
 
 def units(games: Sequence[str], seeds: int, budget: int) -> Iterator[Unit]:
-    """Yield so many runs of each game, of so many env_steps."""
+    """Yield `seeds` runs of each game, each with `budget` env steps."""
     for seed in SEEDS[:seeds]:
         for game in games:
             key = {"game": game, "representation": "simple115", "budget": budget, "seed": seed}

@@ -1,9 +1,10 @@
-"""Does the demo show what its text says? It is repeated with fresh seeds, and each difference to DR is counted.
+"""Does the demo show what its text says? It is repeated with fresh seeds; each repetition is compared with DR.
 
     python -m lab.demo_repeats --out runs/demo_repeats     # 40 minutes on 2 cores; goes on where it was stopped
 
 Runs the command of `make demo` ten times without recordings, each time with other seeds. lab/results/demo.csv gets a
-row for each repetition and method: the difference of its success rate to that of DR, mean of all scenes, in points.
+row for each repetition and method. A row has the difference between the method's success rate and DR's, mean of all
+scenes, in percentage points.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from regista.experiments.run.table import read_rows
 
 ROWS = Path("lab/results/demo.csv")
 REPETITIONS, FIRST_SEED = 10, 2000
-ADDED = ("--no-record",)  # what a repetition does not need
+ADDED = ("--no-record",)  # recordings are not needed
 
 
 def command() -> list[str]:
-    """Return the words of the demo's command after `regista`, without its folder."""
+    """Return the demo's command as words after `regista`, without its folder."""
     made = Path("Makefile").read_text().replace("\\\n", " ")
     found = re.search(r"^demo:.*\n\t\S+ (compare .*)$", made, re.MULTILINE)
     assert found, "the Makefile has no demo of one command"
@@ -41,7 +42,7 @@ def seeds(words: Sequence[str]) -> int:
 
 
 def gains(repetition: int, path: Path) -> Iterator[dict[str, object]]:
-    """Yield a row for each method of a comparison but the first: its difference to the first, in points."""
+    """Yield a row for each method of a comparison but the first: its difference to the first, in percentage points."""
     rows = [result(row) for row in read_rows(path / "results.csv")]
     trained = unique([row.method for row in rows if row.env_steps])
     base = estimate.scores(rows, trained[0])
@@ -52,7 +53,7 @@ def gains(repetition: int, path: Path) -> Iterator[dict[str, object]]:
 
 
 def result(row: dict[str, str]) -> Result:
-    """Return the result of a row of results.csv; what differences do not need is 0."""
+    """Return the result of a row of results.csv, with 0 in fields that differences do not use."""
     steps = int(row["env_steps"] or 0)
     counts = (int(row["seed"]), row["scene"], int(row["episodes"]), 0.0, 0.0, int(row["goals"]), 0.0, steps, 0)
     return Result(row["method"], *counts)

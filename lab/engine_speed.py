@@ -1,9 +1,9 @@
 """How fast are both engines? Environment steps per second of one processor, in our simulator and in GRF.
 
-Each game is played in both, one after the other in one run on one machine, with the same random actions and the same
-observations (`simple115`), whole episodes with resets. What counts is processor time, also that of the processes in
-which GRF plays, so other programs on the machine hardly matter; GRF's time has no part of starting its processes. GRF
-needs `make grf`:
+Each game is played in both engines, one after the other on one machine. Both use the same random actions, the same
+observations (`simple115`), and whole episodes with resets. The measure is processor time, including that of GRF's own
+processes, so other programs on the machine hardly matter. The time to start GRF's processes is excluded. GRF needs
+`make grf`:
 
     python -m lab.engine_speed --csv lab/results/engine_speed.csv
 """
@@ -30,16 +30,16 @@ from regista.experiments.run.programs import load_program
 
 GAMES = ("1v1Free", "academy/3_vs_1_with_keeper", "academy/counterattack_easy")
 ENVIRONMENTS = {"regista": 256, "grf": 4}
-TICK = os.sysconf("SC_CLK_TCK")  # of processor time, per second
+TICK = os.sysconf("SC_CLK_TCK")  # clock ticks of processor time per second
 
 
 def processor_seconds() -> float:
-    """Return the processor time of this process and of its children that live."""
+    """Return the processor time of this process and of its living children."""
     total, me = time.process_time(), os.getpid()
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = path.read_text().rpartition(")")[2].split()
-        except OSError:  # it has ended meanwhile
+        except OSError:  # the process has ended meanwhile
             continue
         if int(fields[1]) == me:
             total += (int(fields[11]) + int(fields[12])) / TICK
@@ -77,7 +77,7 @@ def main() -> None:
 
 
 def measure(game: str, seconds: float, times: int) -> dict[str, Any]:
-    """Return the row of a game: medians of each engine, and the median, smallest and largest ratio."""
+    """Return the row of a game: the median of each engine, and the median, smallest and largest ratio."""
     pairs = np.array([[steps_per_second(game, engine, seconds)[0] for engine in ENVIRONMENTS] for _ in range(times)])
     players = steps_per_second(game, "regista", 0.1)[1]
     ratios = pairs[:, 0] / pairs[:, 1]

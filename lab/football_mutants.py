@@ -1,10 +1,10 @@
-"""Does the test that holds the simulator notice one constant that changes, and does it bear other roundings?
+"""Does the regression test of the simulator detect a change of one constant, and does it tolerate other roundings?
 
-Both are tried without Numba, on the source itself, a change of which needs no compiling then: records become plain
-objects, a hundred times quicker than NumPy's. `constants` multiplies one number of a law by 1.07 at a time, in a
-process of its own, and prints what the reference notices first; `rounding` moves every result of sine, cosine,
-exponential, logarithm, arc functions and powers by one unit in the last place, up or down at random, which is more than
-processors and their libraries do, but for 0 and 1, and prints which rows that changes:
+Both checks run without Numba, on the changed source itself, so that a change needs no compiling. Records become plain
+objects, which are a hundred times faster than NumPy's. `constants` multiplies one number of a law by 1.07 at a time, in
+a separate process, and prints the first difference from the reference. `rounding` moves results by one unit in the last
+place, up or down at random, except for 0 and 1. It applies to sine, cosine, exponential, logarithm, arc functions and
+powers. This is more than processors and their libraries differ. It prints the rows that change:
 
     python -m lab.football_mutants constants --seed 1 --count 20
     python -m lab.football_mutants rounding --seed 1
@@ -31,8 +31,8 @@ from typing import Any, NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE, FOOTBALL = "regista.envs.football", ROOT / "envs" / "football"
 LAWS = ("physics", "skills", "ai", "rules", "control")
-FACTOR, LEAST = 1.07, 1e-3  # of a constant; smaller ones only guard against zero
-EXACT = (0.0, 1.0, -1.0, math.inf)  # results that every library gives as they are
+FACTOR, LEAST = 1.07, 1e-3  # for a constant; smaller constants only guard against zero
+EXACT = (0.0, 1.0, -1.0, math.inf)  # results that every library returns exactly
 ROUNDED = ("sin", "cos", "tan", "exp", "log", "atan2", "asin", "acos", "hypot")
 
 
@@ -46,7 +46,7 @@ class Site(NamedTuple):
 
 
 def sites() -> list[Site]:
-    """Return all numbers of the laws that can be changed by a little: those with a point, and not tiny."""
+    """Return all numbers of the laws that can change slightly: those with a decimal point that are not tiny."""
     files = [file for law in LAWS for file in sorted((FOOTBALL / law).glob("*.py"))]
     found = []
     for file in [*files, FOOTBALL / "constants.py"]:
@@ -60,13 +60,13 @@ def sites() -> list[Site]:
 
 
 class Changed(importlib.abc.MetaPathFinder):
-    """Gives the modules of the simulator as `change` leaves their syntax trees."""
+    """Provides the modules of the simulator with syntax trees transformed by `change`."""
 
     def __init__(self, change: Callable[[Path, ast.Module], ast.Module]) -> None:
         self.change = change
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> importlib.machinery.ModuleSpec | None:
-        """Return the module's own, with a loader that changes it."""
+        """Return the module's own spec, with a loader that changes the module."""
         if not name.startswith(PACKAGE + "."):
             return None
         sys.meta_path.remove(self)
@@ -86,14 +86,14 @@ class ChangedLoader(importlib.machinery.SourceFileLoader):
     change: Callable[[Path, ast.Module], ast.Module]
 
     def get_code(self, fullname: str) -> Any:
-        """Return the code; none is kept."""
+        """Return the code, without caching."""
         path = Path(self.path)
         tree = self.change(path.resolve(), ast.parse(path.read_text()))
         return compile(ast.fix_missing_locations(tree), self.path, "exec")
 
 
 def with_constant(site: Site) -> Callable[[Path, ast.Module], ast.Module]:
-    """Return a change of one number."""
+    """Return a change of one number, as a function of path and tree."""
 
     def change(path: Path, tree: ast.Module) -> ast.Module:
         for node in ast.walk(tree) if path == FOOTBALL / site.file else ():
@@ -105,7 +105,7 @@ def with_constant(site: Site) -> Callable[[Path, ast.Module], ast.Module]:
 
 
 class Rounding(ast.NodeTransformer):
-    """Hands the results of functions that libraries round in their own ways to `rounded`."""
+    """Passes the results of functions that libraries round differently to `rounded`."""
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         """Wrap calls of `math`."""
@@ -121,12 +121,12 @@ class Rounding(ast.NodeTransformer):
 
 
 def wrapped(node: ast.expr) -> ast.Call:
-    """Return a call of `rounded` with an expression."""
+    """Return a call of `rounded` on an expression."""
     return ast.Call(ast.Name("rounded", ast.Load()), [node], [])
 
 
 def round_otherwise(seed: int) -> Callable[[Path, ast.Module], ast.Module]:
-    """Return a change after which results are off by one unit in the last place."""
+    """Return a change that moves results by one unit in the last place."""
     rng = random.Random(seed)
 
     def rounded(value: Any) -> Any:
@@ -144,7 +144,7 @@ def round_otherwise(seed: int) -> Callable[[Path, ast.Module], ast.Module]:
 
 
 def plain(record: Any, dtype: Any) -> SimpleNamespace:
-    """Return a record as an object with the same fields: plain numbers, lists, arrays of two axes."""
+    """Return a record as an object with the same fields: plain numbers, lists, and arrays with two axes."""
     thing = SimpleNamespace()
     for name in dtype.names:
         inner, value = dtype.fields[name][0], record[name]
@@ -154,14 +154,14 @@ def plain(record: Any, dtype: Any) -> SimpleNamespace:
             value = plain(value, inner)
         elif inner.subdtype is not None:
             value = value.copy() if value.ndim > 1 or name == "checkpoint_reward" else value.tolist()
-        elif name != "random":  # which is shifted, and must wrap around
+        elif name != "random":  # random states are shifted, and must wrap around
             value = value.item()
         setattr(thing, name, value)
     return thing
 
 
 def moments(kept: Any, row: int) -> Iterator[tuple[list[int], list[float]]]:
-    """Play a row of a scene as far as it is steady; yield facts and digests after each step, but not what is seen."""
+    """Play a row of a scene as far as it is steady; yield facts and digests after each step, not observations."""
     import numpy as np
 
     from regista.envs.football.batch import cast_of
@@ -193,7 +193,7 @@ def moments(kept: Any, row: int) -> Iterator[tuple[list[int], list[float]]]:
 
 
 def first_change(kept: Any, row: int) -> tuple[int, str] | None:
-    """Return at which step and in what a row is played otherwise than it was, None if it is not."""
+    """Return the first step and quantity in which a row differs from the reference, None if there is no difference."""
     from tests.envs.played import DIGESTS, EVERY, FACTS, TOLERANCE
 
     for step, (facts, digests) in enumerate(moments(kept, row), 1):
@@ -207,7 +207,7 @@ def first_change(kept: Any, row: int) -> tuple[int, str] | None:
 
 
 def changes() -> Iterator[dict[str, Any]]:
-    """Play the reference in this process, quick scenes first; yield what is played otherwise."""
+    """Play the reference in this process, fast scenes first; yield each difference."""
     from tests.envs.played import load
 
     _, scenes = load()
@@ -221,7 +221,7 @@ def changes() -> Iterator[dict[str, Any]]:
 
 
 def notice(words: Sequence[str], only_first: bool) -> list[dict[str, Any]]:
-    """Return what a process of its own finds that plays a changed simulator."""
+    """Return the differences found by a separate process that plays a changed simulator."""
     command = [sys.executable, "-W", "ignore", "-m", "lab.football_mutants", *words]
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "OMP_NUM_THREADS": "1"}
     found = []
@@ -238,7 +238,7 @@ def notice(words: Sequence[str], only_first: bool) -> list[dict[str, Any]]:
 
 
 def try_constants(seed: int, count: int) -> int:
-    """Change so many constants, one at a time; print what the reference notices, and return how many it does not."""
+    """Change `count` constants, one at a time; print the first differences; return the number of undetected changes."""
     missed, drawn = 0, random.Random(seed).sample(sites(), count)
     for number, site in enumerate(drawn, 1):
         found = notice(["one", *map(str, site)], only_first=True)
@@ -251,7 +251,7 @@ def try_constants(seed: int, count: int) -> int:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the script and give its exit code."""
+    """Run the script and return its exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("what", choices=("constants", "rounding", "one", "rounded"))
     parser.add_argument("site", nargs="*")

@@ -1,9 +1,9 @@
-"""Which scenes hold a version of the football simulator: drawn programs, by what they are meant to bring about.
+"""Scenes of the regression test of the football simulator: drawn programs, grouped by the events that they provoke.
 
-Matches of eleven, open play of 2 to 17 players under all control modes, attacks, balls near the lines, duels, balls in
-flight, shots at keepers, balls struck at opponents close by, each kind of restart, library behaviors, and engines with
-other factors. A scene is a text of a program with numbers drawn here. It is `lab/record_football.py` that plays and
-keeps them:
+The scenes cover matches of eleven, open play of 2 to 17 players under all control modes, attacks, and balls near the
+lines. They also cover duels, balls in flight, shots at keepers, and balls struck at opponents close by. The rest are
+each kind of restart, library behaviors, and engines with other factors. A scene is the text of a program with random
+numbers. `lab/record_football.py` plays and stores the scenes:
 
     python -m lab.record_football --draw
 """
@@ -32,7 +32,7 @@ from tests.envs.played import LETTERS, Scene, make_env
 Rng = np.random.Generator
 Place = tuple[float, float]  # m
 ROLES = ("CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")
-STEPS, CANDIDATES = 80, 16  # steps of a scene; rows, of which some are chosen
+STEPS, CANDIDATES = 80, 16  # steps of a scene; candidate rows, of which some are chosen
 TRIES = 1_000
 # Actions as letters: a idle, b to i directions (f to the right), j long, k high and l short pass, m shot, n sprint,
 # q slide, r dribble, o, p and s releases
@@ -71,7 +71,7 @@ class Person(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """A draw of a program: parameters, the ball's place in m, players, and a text before them."""
+    """A draw of a program: parameters, the ball's position in m, players, and text before them."""
 
     params: dict[str, Any]
     ball: Place
@@ -89,7 +89,7 @@ class Draw(NamedTuple):
 
 
 def within(x: float, y: float) -> str:
-    """Return a place in m as programs write it, on the pitch."""
+    """Return a position in m in the units of programs, clipped to the pitch."""
     units = np.clip((x / METRES_PER_X, y / METRES_PER_Y), (-99.0, -41.0), (99.0, 41.0))
     return f"{units[0]:.1f} @ {units[1]:.1f}"
 
@@ -102,9 +102,9 @@ def scene(
     control: tuple[str, str] = ("closest1", "none"),
     **others: Any,
 ) -> Scene:
-    """Return a scene of a program that can be played; `others` are fields of `Scene`, or settings.
+    """Return a scene of a playable program; `others` are fields of `Scene`, or settings.
 
-    Raises ValueError where no draw of many can be.
+    Raises ValueError if none of many draws is playable.
     """
     fields: dict[str, Any] = {"steps": STEPS, "hold": 0.7, "spread": 0.6, "start": {}, "scripted": False}
     given = {key: others.pop(key) for key in list(others) if key in fields}
@@ -121,34 +121,34 @@ def scene(
     raise ValueError(f"no program of {name} can be played: {last}") from last
 
 
-# ---------------------------------------------------------------- who plays
+# ---------------------------------------------------------------- players
 
 
 def rules(rng: Rng, **others: Any) -> dict[str, Any]:
-    """Return drawn parameters of a match, and these."""
+    """Return drawn parameters of a match, updated by `others`."""
     left, right = rng.choice([0.05, 0.3, 0.6, 0.8, 1.0], 2).tolist()
     drawn = {"left_team_difficulty": left, "right_team_difficulty": right, "offsides": bool(rng.random() < 0.6)}
     return {"game_duration": 3000, **drawn, **others}
 
 
 def crowd(rng: Rng, team: str, count: int, middle: Place, spread: float) -> list[Person]:
-    """Return so many players without a keeper around a place."""
+    """Return `count` outfield players around a position."""
     return [Person(team + str(rng.choice(ROLES)), *rng.normal(middle, spread).tolist()) for _ in range(count)]
 
 
 def keeper(rng: Rng, team: str) -> Person:
-    """Return a keeper, usually near the own goal."""
+    """Return a keeper, usually near its own goal."""
     side = -1 if team == "Left" else 1
     return Person(f"{team}GK", side * (54.0 - rng.exponential(4.0)), float(rng.normal(0.0, 2.0)))
 
 
 def keepers(rng: Rng) -> list[Person]:
-    """Return both."""
+    """Return both keepers."""
     return [keeper(rng, "Left"), keeper(rng, "Right")]
 
 
 def eleven(team: str, push: float = 0.0, count: int = 11) -> list[Person]:
-    """Return a team in its formation, so many m to the right."""
+    """Return a team in its formation, moved `push` m to the right."""
     side = -1 if team == "Right" else 1
     return [Person(team + role, side * x + push, side * y) for role, x, y in FORMATION[:count]]
 
@@ -157,7 +157,7 @@ def eleven(team: str, push: float = 0.0, count: int = 11) -> list[Person]:
 
 
 def matches(rng: Rng) -> Iterator[Scene]:
-    """Yield eleven a side: from the kick-off, or with the ball and both teams anywhere."""
+    """Yield matches of eleven a side: from the kick-off, or with the ball and both teams at random positions."""
     ways: tuple[tuple[tuple[str, str], dict[str, Any]], ...] = (
         (("closest1", "none"), {"scripted": True}),
         (("all", "none"), {"representation": "simple115"}),
@@ -198,7 +198,7 @@ def open_play(rng: Rng) -> Iterator[Scene]:
 
 
 def attacks(rng: Rng) -> Iterator[Scene]:
-    """Yield a striker before the goal with mates, backs and a keeper; twice the right team attacks."""
+    """Yield a striker before the goal with teammates, backs and a keeper; in two scenes the right team attacks."""
     controls = (("closest1", "none"), ("all", "none"), ("active", "none"), ("closest1", "1"))
     for k in range(8):
         away, y, side = float(rng.uniform(8, 32)), float(rng.normal(0, 10)), -1.0 if k % 4 == 3 else 1.0
@@ -214,7 +214,7 @@ def attacks(rng: Rng) -> Iterator[Scene]:
 
 
 def lines(rng: Rng) -> Iterator[Scene]:
-    """Yield the ball at a line, and players of both teams around it."""
+    """Yield scenes with the ball at a line, and players of both teams around it."""
     places = ((30.0, 35.0), (54.3, 10.0), (-54.3, -20.0), (-45.0, -35.0))
     for k, (x, y) in enumerate(places):
 
@@ -230,7 +230,7 @@ def lines(rng: Rng) -> Iterator[Scene]:
 
 
 def duels(rng: Rng) -> Iterator[Scene]:
-    """Yield a player on the ball, and opponents nearby who slide: in the middle, in both boxes, on a wing."""
+    """Yield a player with the ball, and sliding opponents nearby: in the middle, in both boxes, on a wing."""
     controls = (("all", "all"), ("closest1", "closest1"), ("all", "none"), ("none", "all"))
     for k in range(8):
         x, y = ((0.0, 0.0), (46.0, 5.0), (-46.0, -6.0), (20.0, 30.0))[k % 4]
@@ -262,7 +262,7 @@ def runs(rng: Rng) -> Iterator[Scene]:
 
 
 def cards(rng: Rng) -> Iterator[Scene]:
-    """Yield players with cards: who slides and has one, and who has been sent off; and two in the same place."""
+    """Yield players with cards: sliding players with one card, players sent off, and two players in the same place."""
     backs = ((-2.0, 0.5), (2.6, -0.5)), ((0.4, 1.4), (0.6, -1.5))  # before and behind the carrier, or on both sides
     # players in the order of a match: keepers first, the left team before the right one
     ways = (
@@ -283,7 +283,7 @@ def cards(rng: Rng) -> Iterator[Scene]:
 
 
 def keepers_feet(rng: Rng) -> Iterator[Scene]:
-    """Yield balls that mates play back to their keepers."""
+    """Yield balls that teammates play back to their keepers."""
     for k, team in enumerate(("Left", "Right")):
         side = -1.0 if team == "Left" else 1.0
 
@@ -336,7 +336,7 @@ def shots(rng: Rng) -> Iterator[Scene]:
 
 def restarts(rng: Rng) -> Iterator[Scene]:
     """Yield each kind of restart, by built-in players and by agents, for both teams."""
-    kinds = (  # with how many players a side
+    kinds = (  # with the number of players a side
         *((CORNER, 55.0, 36.0, LEFT, 11), (CORNER, -55.0, -36.0, RIGHT, 8), (FREE_KICK, 34.0, 4.0, LEFT, 11)),
         *((FREE_KICK, -36.0, -6.0, RIGHT, 6), (FREE_KICK, -5.0, 20.0, LEFT, 11), (GOAL_KICK, -50.6, 0.0, LEFT, 6)),
         *((GOAL_KICK, 50.6, 0.0, RIGHT, 11), (THROW_IN, 20.0, 36.0, LEFT, 11), (THROW_IN, -40.0, -36.0, RIGHT, 11)),
@@ -397,7 +397,7 @@ def engines(rng: Rng) -> Iterator[Scene]:
 
 
 def struck(rng: Rng) -> Iterator[Scene]:
-    """Yield balls struck at opponents close by a moment ago, about as high as these reach."""
+    """Yield balls struck a moment ago at nearby opponents, about as high as these reach."""
     ways = (  # m to the first opponent, m/s and m of the ball, s since the kick
         (0.8, {"ball.vx": (8.0, 14.0), "ball.vz": (-1.0, 4.0), "ball.z": (1.6, 2.2)}, (0.0, 0.05)),
         (1.2, {"ball.vx": (12.0, 16.0), "ball.vz": (0.3, 0.8), "ball.z": (1.88, 2.02)}, (0.0, 0.02)),
@@ -433,6 +433,6 @@ FAMILIES = (
 
 
 def draw_scenes(seed: int) -> Iterator[Scene]:
-    """Draw all scenes, with more rows than are to be kept."""
+    """Draw all scenes, with more rows than the file keeps."""
     for k, family in enumerate(FAMILIES):
         yield from family(np.random.default_rng([seed, k]))

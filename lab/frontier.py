@@ -26,10 +26,10 @@ from regista.experiments.run.table import read_columns, read_rows
 from ued.probes import LONGEST
 from ued.statistics import Bootstrap, Difference, Interval, bootstrap, detectable, iqm, probability_of_improvement
 
-SCENE = "every length"  # one level of each length: its success rate is the share of the turns that a student knows
+SCENE = "every length"  # one level of each length: its success rate is the share of turns that a student has learned
 PAGE, PICTURE = Path("RESULTS.md"), Path("experiments/gallery/frontier.png")
 ROWS = Path("lab/results/frontier.csv")
-APART = 0.017  # between the intervals of two methods at the end, relative to the curves
+APART = 0.017  # gap between the final intervals of two methods, relative to the curves
 NOTE = (
     "Differences in percentage points; IQM: mean of the middle half of the runs; P(better): probability that a run of "
     "the method knows more turns than one of dr. 95% CI: bootstrap over runs; of P(better), Newcombe's."
@@ -62,7 +62,7 @@ def estimates(rates: Mapping[str, np.ndarray]) -> tuple[dict[str, Bootstrap], di
 
 
 def note(rates: Mapping[str, np.ndarray]) -> str:
-    """Return what stands below the table."""
+    """Return the note below the table."""
     counts = [len(mine) for mine in rates.values()]
     legend = significance.legend([gain.p for gain in estimates(rates)[1].values()])
     size = 100 * detectable(list(rates.values()))
@@ -78,7 +78,7 @@ def percent(interval: Interval) -> str:
 
 
 def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw the success rate of each method over the steps simulated: mean over runs, and its interval at the end."""
+    """Draw the success rate of each method over simulated steps: mean over runs, and the interval at the end."""
     with plots.style():
         import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""The moving picture of the README: a trained policy plays, beside the levels that a method proposed over training.
+"""The animation of the README: a trained policy plays, beside the levels that a method proposed over training.
 
     python -m lab.hero            # trains PAIRED on 1v1Rare for half a minute; writes docs/pictures/hero.gif
 
@@ -30,14 +30,14 @@ GAME, STEPS = "1v1Rare", 1_200_000
 SETTINGS = "--num-envs 16 --num-steps 512 --ent-coef 0.003 --paired.adversary.ent-coef 0.1 --no-record"
 Bounds = tuple[float, float, float, float]  # x_low, x_high, y_low, y_high
 STAGES = 12  # of the training
-WIDTH, MARGIN, SCALES = 400, 26, 64  # pixels: of each half, and above and below the pitch
+WIDTH, MARGIN, SCALES = 400, 26, 64  # pixels: width of each half, and margins above and below the pitch
 SHOWN = ("start of the attacker", "start of the keeper")
 MILLISECONDS = 80  # per frame
-COLORS, SAMPLED = 256, 24  # of the palette, and frames that it is made from
+COLORS, SAMPLED = 256, 24  # colors of the palette, and frames from which it is made
 
 
 def train(out: Path) -> RunFolder:
-    """Return the run, trained if it is missing."""
+    """Return the run; train it if it is missing."""
     if not (out / "config.json").exists():
         words = ["train", GAME, "--method", "paired", "--total-env-steps", str(STEPS), *SETTINGS.split()]
         if regista([*words, "--out", str(out)]):
@@ -46,7 +46,7 @@ def train(out: Path) -> RunFolder:
 
 
 def matches(run: RunFolder, scene: str, seeds: Sequence[int], bounds: Bounds) -> list[np.ndarray]:
-    """Return the frames of episodes of the run's student, cut to `bounds`, in meters."""
+    """Return the frames of episodes of the run's student, cropped to `bounds`, in meters."""
     frames = []
     for seed in seeds:
         path = run.path / f"match_{seed}.npz"
@@ -58,7 +58,7 @@ def matches(run: RunFolder, scene: str, seeds: Sequence[int], bounds: Bounds) ->
 
 
 def cut(frame: np.ndarray, bounds: Bounds) -> np.ndarray:
-    """Return a part of a frame, WIDTH pixels wide, with margins of the color of paper."""
+    """Return a part of a frame, WIDTH pixels wide, with margins in the background color."""
     scale = SCALE // SHARPER
     middle = frame.shape[1] / 2, (frame.shape[0] - BAR // SHARPER) / 2 + BAR // SHARPER
     x_low, x_high, y_low, y_high = (scale * value for value in bounds)
@@ -102,7 +102,7 @@ def painter_of(run: RunFolder) -> Any:
 
 
 def write(frames: Sequence[np.ndarray], levels: Sequence[np.ndarray], path: Path) -> None:
-    """Write the film; the stages of training pass once while it plays."""
+    """Write the animation; the stages of training pass once while it plays."""
     pictures = [
         Image.fromarray(np.hstack([frame, levels[k * len(levels) // len(frames)]])) for k, frame in enumerate(frames)
     ]
@@ -112,7 +112,7 @@ def write(frames: Sequence[np.ndarray], levels: Sequence[np.ndarray], path: Path
 
 
 def shared_palette(pictures: Sequence[Image.Image]) -> Image.Image:
-    """Return an image with one palette for all pictures: with palettes of their own, still parts would flicker."""
+    """Return an image with one palette for all pictures; with separate palettes, static parts would flicker."""
     some = pictures[:: max(1, len(pictures) // SAMPLED)]
     strip = Image.new("RGB", (some[0].width, some[0].height * len(some)))
     for k, picture in enumerate(some):

@@ -1,9 +1,9 @@
 """Does PLR over seeds help if the layout of a level matters? A toy environment in which it must, and a comparison.
 
-A corridor of rooms; in which of them a hidden door leads out is drawn when the environment is reset. To get on from a
-room takes the right one of four actions, the same one in all corridors. Near doors are rare, so random corridors are
-mostly too long to teach anything; PLR can go back to those at the edge of what the student knows, but only if a level
-that is replayed is the corridor that was scored. 200 seeds, the same for DR and PLR. Writes a row for each run:
+The environment is a corridor of rooms. Resetting it draws the room in which a hidden door leads out. In each room, one
+of four actions leads on, the same one in all corridors. Near doors are rare, so random corridors are mostly too long to
+teach anything. PLR can replay corridors at the edge of the student's ability, but only if a replayed level is the
+corridor that was scored. There are 200 seeds, the same for DR and PLR. Writes a row for each run:
 
     python -m lab.hidden_door --seeds 10 --csv lab/results/hidden_door.csv
 """
@@ -26,7 +26,10 @@ RIGHT = np.random.default_rng(0).integers(0, ACTIONS, LONGEST)  # the action tha
 
 
 class HiddenDoor(gymnasium.Env):
-    """Walk to the hidden door: paid 1 there if no action was wrong, else 0. Seen are the room and whether one was."""
+    """Walk to the hidden door: reward 1 at the door if all actions were right, else 0.
+
+    The observation is the room, and whether any action was wrong.
+    """
 
     observation_space, action_space = Box(0.0, 1.0, (LONGEST + 1,), np.float32), Discrete(ACTIONS)
 
@@ -49,19 +52,19 @@ class HiddenDoor(gymnasium.Env):
 
 
 def corridor(seed: int | None) -> int | None:
-    """Return the number of a corridor for the seed of a level: one of 200."""
+    """Return the number of a corridor, one of 200, for the seed of a level."""
     return None if seed is None else seed % CORRIDORS
 
 
 def make(num_envs: int = 32) -> ued.GymUPOMDP:
-    """Make corridors. Their one parameter means nothing: a level is its seed, for which `ued.Seeds` is shorter."""
+    """Make corridors. Their one parameter has no effect: a level is its seed, for which `ued.Seeds` is shorter."""
     return ued.GymUPOMDP(HiddenDoor, lambda env, values: None, {"unused": (0, 1)}, num_envs, seed_episodes=corridor)
 
 
 def known(method: ued.Method) -> float:
-    """Return the share of the rooms from which a student gets on by its most likely actions, up to the first failure.
+    """Return the share of rooms that a student passes with its most likely actions, up to the first failure.
 
-    It is what the student has learned of all 200 corridors: it gets out of those whose door is no farther.
+    This measures learning on all 200 corridors: the student gets out of those whose door is no farther.
     """
     farthest = max(range(CORRIDORS), key=door_of)
     env = HiddenDoor()
@@ -72,7 +75,7 @@ def known(method: ued.Method) -> float:
 
 
 def door_of(number: int) -> int:
-    """Return how far the door of a corridor is."""
+    """Return the distance of a corridor's door."""
     env = HiddenDoor()
     env.reset(seed=number)
     return env.door
@@ -102,7 +105,7 @@ def main() -> None:
             print(rows[-1], flush=True)
     for column in ("known",):
         by_method = [np.array([row[column] for row in rows if row["method"] == name]) for name in ("plr", "dr")]
-        difference = by_method[0] - by_method[1]  # of runs of the same seed, which begin alike
+        difference = by_method[0] - by_method[1]  # of runs with the same seed, which begin alike
         half = 2.262 * difference.std(ddof=1) / np.sqrt(len(difference)) if len(difference) == 10 else np.nan
         print(
             f"{column}: PLR {by_method[0].mean():.3f}, DR {by_method[1].mean():.3f}, "

@@ -2,8 +2,9 @@
 
     python -m lab.kernel_speed
 
-The peak is the speed of a large matrix product in torch. A step of a policy is its whole part of a compiled rollout:
-normalization, forward pass, sampling. The simulator's step is that of random actions. Processor time, best of several.
+The peak is the speed of a large matrix product in torch. A policy step is its whole part of a compiled rollout:
+normalization, forward pass, sampling. The simulator step uses random actions. Each number is processor time, the best
+of several runs.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ CALLS = 2_000
 
 @kernel
 def repeat_linear(weights, layers, x, y):
-    """Compute a layer many times."""
+    """Compute a layer repeatedly."""
     for _ in range(CALLS):
         linear(weights, layers[0], x, y)
 
@@ -44,7 +45,7 @@ def repeat_steps(policy, steps, envs):
 
 
 def best(call: Callable[[], Any], times: int = 30) -> float:
-    """Return the least processor time of a call, in seconds, after a first one that may compile."""
+    """Return the least processor time of a call in seconds, without the first call, which may compile."""
     call()
     found = float("inf")
     for _ in range(times):
@@ -76,7 +77,7 @@ def layer_rows(most: float) -> list[list[str]]:
 
 
 def step_rows(most: float) -> list[list[str]]:
-    """Measure policy and simulator of a football game."""
+    """Measure a step of the policy and of the simulator in a football game."""
     found = build.find_game(GAME)
     config = found.start("fast")
     method = make_method(config)

@@ -1,8 +1,8 @@
-"""Do our mazes play as MiniGrid's? The same random mazes and actions in both, every step compared.
+"""Do our mazes play like MiniGrid's? The same random mazes and actions in both, with every step compared.
 
-Compared exactly: the image of the view, the direction, the reward, termination and truncation. Settings are the
-benchmark's, with walls that hide nothing and with walls that hide what is behind them, and mazes of other sizes.
-With minigrid 3.2.0 all of them are equal. It needs `pip install minigrid`:
+The comparison is exact: the image of the view, the direction, the reward, termination and truncation. Settings are the
+benchmark's, with see-through walls and with walls that hide what is behind them, and mazes of other sizes. With
+minigrid 3.2.0 all of them are equal. It needs `pip install minigrid`:
 
     python -m lab.maze_minigrid --mazes 1000 --steps 100
 """

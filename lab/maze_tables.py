@@ -27,7 +27,7 @@ from ued.core.task import TRAINING_SCENE
 from ued.statistics import Difference, Interval, bootstrap, detectable
 
 PAGE, PICTURE = Path("docs/benchmarks/maze.md"), Path("docs/pictures/maze_curves.png")
-TITLES = {  # of rows that are no method's name
+TITLES = {  # of rows that are not named after a method
     "paired_steps": "PAIRED, steps",
     "paired_direct": "PAIRED, direct",
     "accel_empty": "ACCEL from empty mazes",
@@ -35,10 +35,10 @@ TITLES = {  # of rows that are no method's name
     "general_sfl": "SFL, generalized learnability",
     "published_plr": "PLR⊥, temperature 0.1",
 }
-PUBLISHED = {"paired_steps": "paired", "accel_empty": "accel"}  # our row: theirs, where the names differ
+PUBLISHED = {"paired_steps": "paired", "accel_empty": "accel"}  # our row: published row, if the names differ
 EQUAL = 10_000_000  # student steps at which methods are compared
-APART = 0.02  # between the intervals at the ends of curves, as a share of a curve
-BUDGETS = (25_000_000, 100_000_000, 250_000_000)  # at which single long runs are shown
+APART = 0.02  # gap between the intervals at the ends of curves, as a share of a curve
+BUDGETS = (25_000_000, 100_000_000, 250_000_000)  # budgets at which single long runs are shown
 
 COMMAND = "`python -m lab.maze_tables`."
 
@@ -90,7 +90,7 @@ def rows(kind: str, part: str) -> list[dict[str, str]]:
 
 
 def result(row: Mapping[str, str]) -> Result:
-    """Make a result of a stored row; what the tables do not need is 0."""
+    """Make a result of a stored row, with 0 in fields that the tables do not use."""
     counts = (int(row[name]) for name in ("seed", "episodes", "goals", "env_steps"))
     seed, episodes, goals, env_steps = counts
     return Result(row["method"], seed, row["maze"], episodes, float(row["mean_return"]), 0.0, goals, 0.0, env_steps, 0)
@@ -176,7 +176,7 @@ def worst_gains(study: Study) -> dict[str, Difference]:
 
 
 def note(study: Study) -> str:
-    """Return what stands below the summary."""
+    """Return the note below the summary."""
     gains = [gain for gains in (test_gains, late_gains, worst_gains) for gain in gains(study).values()]
     counts = [len(study.random(name)) for name in study.methods]
     sizes = [
@@ -189,7 +189,7 @@ def note(study: Study) -> str:
 
 
 def by_maze(study: Study) -> Table:
-    """Return a row for each maze, a column for each method: ours with its interval, then the published rate."""
+    """Return a row for each maze and a column for each method: our rate with its interval, then the published rate."""
     table = [["maze", *map(title, study.methods)]]
     for maze in study.mazes:
         cells = []
@@ -202,7 +202,7 @@ def by_maze(study: Study) -> Table:
 
 
 def equal_steps(study: Study, steps: int = EQUAL) -> Table:
-    """Return the solved test mazes of each method when its student has learned from this number of steps."""
+    """Return the share of solved test mazes of each method after its student has learned from this number of steps."""
     table = [["method", "student steps", "simulated steps", "test mazes", "minus DR"]]
     found = {name: at_steps(study, name, steps) for name in study.methods}
     solved = {name: [float(row["solved"]) for row in runs] for name, runs in found.items()}
@@ -217,7 +217,7 @@ def equal_steps(study: Study, steps: int = EQUAL) -> Table:
 
 
 def at_steps(study: Study, method: str, steps: int) -> list[dict[str, str]]:
-    """Return the evaluation of each run of a method whose student steps are nearest to `steps`."""
+    """Return the evaluation of each run of a method nearest to `steps` student steps."""
     mine = [row for row in study.curves if row["method"] == method]
     seeds = unique([row["seed"] for row in mine])
     each = ([row for row in mine if row["seed"] == seed] for seed in seeds)
@@ -240,13 +240,13 @@ def long_runs(study: Study, budgets: Sequence[int] = BUDGETS) -> Table:
 
 
 def published_mean(study: Study, method: str, mazes: Iterable[str]) -> str:
-    """Return the mean of a method's published rates on some mazes; empty if one of them is not published."""
+    """Return the mean of a method's published rates on some mazes; empty if one of these rates is missing."""
     rates = [study.theirs(method, maze) for maze in mazes]
     return "" if None in rates else f"{np.mean(rates):.0%}"  # type: ignore[arg-type]
 
 
 def tuning() -> Table:
-    """Return for each method how many settings were tried with one epoch, and the best one on the worst tenth."""
+    """Return for each method the number of settings tried with one epoch, and the best one on the worst tenth."""
     table = [["method", "settings", "best", "random mazes", "worst tenth"]]
     tried: dict[str, list[dict[str, str]]] = {}
     for row in read_rows(ROWS / "maze_tuning.csv"):
@@ -262,7 +262,7 @@ def tuning() -> Table:
 
 
 def kind_of(row: Mapping[str, str]) -> str:
-    """Return the method of a row of tuning as tables call it; PAIRED has two kinds of adversary."""
+    """Return the method of a tuning row as named in tables; PAIRED has two kinds of adversary."""
     title = plots.title(row["method"])
     return f"{title}, {row['setting'].partition(' ')[0]}" if row["method"] == "paired" else title
 
@@ -274,7 +274,7 @@ def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
 
 
 def title(row: str) -> str:
-    """Return what tables and legends call a row."""
+    """Return the name of a row in tables and legends."""
     return TITLES.get(row) or plots.title(row)
 
 
@@ -293,7 +293,7 @@ def method_of(part: str, row: str) -> str:
 
 
 def draw(study: Study, path: Path) -> None:
-    """Draw the solved test mazes over the simulated steps and over the student's: means, and final intervals."""
+    """Draw the solved test mazes over simulated steps and over student steps: means, and final intervals."""
     plots.distinguish({name: method_of(study.part, name) for name in study.methods if name not in plots.METHOD_COLORS})
     with plots.style():
         import matplotlib.pyplot as plt
@@ -317,7 +317,7 @@ def draw(study: Study, path: Path) -> None:
 
 
 def draw_method(axes: plots.Axes, study: Study, key: str, name: str, aside: float) -> bool:
-    """Draw the mean over a method's runs, and the 95% interval of its last value; return whether it is known.
+    """Draw the mean over a method's runs, and the 95% interval of its last value; return whether the interval is known.
 
     `aside`: distance between the end of the curve and the interval, as a share of the curve.
     """
@@ -336,7 +336,7 @@ def draw_method(axes: plots.Axes, study: Study, key: str, name: str, aside: floa
 
 
 def sections() -> dict[str, str]:
-    """Return the text of each generated section of the page, of the parts that have rows."""
+    """Return the text of each generated section of the page, for the parts that have rows."""
     found = {"tuning": as_markdown(tuning())}
     for part in PARTS:
         study = Study(part)

@@ -1,10 +1,10 @@
-"""How do methods of UED compare on the maze benchmark, and with published rows? Trains, and stores the rows.
+"""How do UED methods compare on the maze benchmark, and with published rows? Trains, and stores the rows.
 
-    python -m lab.mazes main --out runs/mazes       # what has no rows yet, a seed at a time; stop it whenever you like
+    python -m lab.mazes main --out runs/mazes       # runs without rows, one seed at a time; may be stopped at any time
     python -m lab.maze_tables --publish             # the tables and the picture of docs/benchmarks/maze.md
 
-Parts: main, the published methods on mazes of 25 walls; recent, methods published since; sixty, mazes of 0 to 59 walls;
-long, single runs of 250M steps. Read next: `lab.maze_tables`.
+Parts: main, the published methods on mazes of 25 walls; recent, newer methods; sixty, mazes of 0 to 59 walls; long,
+single runs of 250M steps. Read next: `lab.maze_tables`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ EPISODES, LEVELS = 100, 1000  # episodes on each test maze; random mazes, each p
 class Part(NamedTuple):
     """One comparison: its task, the number of runs of each row, their budget, and the rows as `compare --variants`.
 
-    `walls` names the published rows beside it, `beside` the part whose row of DR is the reference, if not this one.
+    `walls` names the published rows for comparison; `beside` names the part with the DR reference, if it is not this
+    one.
     """
 
     task: str
@@ -99,7 +100,7 @@ PARTS = {
 
 
 def train(name: str, seed: int, out: Path, processes: int) -> int:
-    """Train, evaluate and store the runs of one seed that have no rows; return the exit code."""
+    """Train, evaluate and store those runs of one seed that have no rows; return the exit code."""
     part, done = PARTS[name], stored(name, seed)
     missing = {row: flags for row, flags in part.rows.items() if row not in done}
     if not missing:
@@ -123,7 +124,7 @@ def train(name: str, seed: int, out: Path, processes: int) -> int:
 
 
 def stored(name: str, seed: int) -> set[str]:
-    """Return the rows of a part that have this seed's results."""
+    """Return the rows of a part with results for this seed."""
     path = ROWS / "maze_tests.csv"
     found = read_rows(path) if path.exists() else []
     return {row["method"] for row in found if row["part"] == name and int(row["seed"]) == seed}
@@ -144,14 +145,14 @@ def store(name: str, runs: Sequence[RunFolder], folder: Path) -> None:
     for row in levels:
         del row["simulator"]
     curves = [{"part": name, "task": task} | row for run in runs for row in curve(run)]
-    for kind, rows in (("levels", levels), ("curves", curves), ("tests", tests)):  # what `stored` reads comes last
+    for kind, rows in (("levels", levels), ("curves", curves), ("tests", tests)):  # `stored` reads the last file
         path = ROWS / f"maze_{kind}.csv"
         others = read_rows(path) if path.exists() else []
         save_rows([*others, *rows], list(rows[0]), path)
 
 
 def curve(run: RunFolder) -> Iterator[dict[str, object]]:
-    """Yield a row for each evaluation of a run: steps simulated and learned from, and the share of mazes solved."""
+    """Yield a row for each evaluation of a run: simulated steps, steps learned from, and the share of mazes solved."""
     columns = read_columns(run.path / "metrics.csv")
     tests = [name for name in columns if name.startswith("eval_success/") and not name.endswith(TRAINING_SCENE)]
     student = next(name for name in columns if name.endswith("/trained_steps"))

@@ -1,7 +1,7 @@
 """Do differences between methods hold in Google Research Football (GRF)?
 
 Plays the trained runs of two studies in both engines: of `1v1RareLine` on its held-out scenes, of `3v2FourBehaviors` on
-its test scenes. Needs GRF (`make grf`) and the folders of the runs. It goes on where it was stopped.
+its test scenes. Needs GRF (`make grf`) and the folders of the runs. A stopped call continues with the same command.
 
     python -m lab.paired_football order --csv lab/results/paired_order.csv    # trains runs
     python -m lab.thesis paired                                               # trains runs
@@ -51,7 +51,7 @@ METHODS = {
 
 
 class Trained(NamedTuple):
-    """A run: `order` is the place of the rare option in its program, "" in a game without one; `open` opens it."""
+    """A run: `order` is the place of the rare option in its program, "" in a game without one; `open` opens the run."""
 
     game: str
     agent: str
@@ -75,7 +75,7 @@ class Played(NamedTuple):
     simulator: str
 
     def key(self) -> tuple[str, str, str, str, int, str]:
-        """Return what a later row of the same takes the place of."""
+        """Return the key of the row; a later row with the same key replaces it."""
         return self[:6]
 
 
@@ -120,7 +120,7 @@ def play(folder: Path, rows: Path) -> None:
 
 
 def measure(trained: Trained, engine: str, scenes: dict[str, EvalScenes]) -> list[Played]:
-    """Play a run in an engine, whose scenes are made where there are none yet; return a row for each scene."""
+    """Play a run in an engine, making the engine's scenes if necessary; return a row for each scene."""
     run, game = trained.open(), build.find_game(trained.game)
     if not run.finished():
         raise CommandError(f"{run.path} is not trained; first: {TRAINED_BY[trained.game]}")
@@ -142,7 +142,7 @@ def measure(trained: Trained, engine: str, scenes: dict[str, EvalScenes]) -> lis
 
 
 def rates(rows: Sequence[Played]) -> np.ndarray:
-    """Return the success `[R]` of each seed, the mean over scenes and orders of the options."""
+    """Return the success `[R]` of each seed, the mean over scenes and over orders of the options."""
     seeds = sorted({row.seed for row in rows})
     return np.array([np.mean([row.scored / row.episodes for row in rows if row.seed == seed]) for seed in seeds])
 
@@ -175,7 +175,7 @@ Groups = Mapping[tuple[str, str, str], Sequence[Played]]  # by game, method, eng
 
 
 def differences(groups: Groups) -> dict[tuple[str, str, str], Difference]:
-    """Return the difference of each method but the first to the first, in each engine."""
+    """Return the difference between each method and the first one, in each engine."""
     found = {}
     for game, name, engine in groups:
         first = (game, METHODS[game][0], engine)
@@ -190,7 +190,7 @@ def interval(values: np.ndarray) -> str:
 
 
 def below(groups: Groups, gains: Sequence[Difference]) -> str:
-    """Return what stands below the table."""
+    """Return the note below the table."""
     sizes = [
         100 * detectable([rates(mine) for (at, _, engine), mine in groups.items() if (at, engine) == (game, word)])
         for game in METHODS
@@ -210,7 +210,7 @@ def below(groups: Groups, gains: Sequence[Difference]) -> str:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Play what has no rows, print or publish the table; return the exit code."""
+    """Play the runs without rows, and print or publish the table; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=Path, default=Path("runs"), help="folder of the studies' runs")
     parser.add_argument("--csv", type=Path, default=ROWS, help="file of the rows")

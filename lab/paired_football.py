@@ -1,11 +1,10 @@
-"""How does PAIRED choose levels on football, and is it independent of how a program lists its options?
+"""How does PAIRED choose levels on football, and is it independent of the order of options in a program?
 
-Each part trains runs in a folder, plays each finished one on held-out scenes, and writes its row. `order`:
-PAIRED and PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely. Five
-runs of each left both games open, in the sense of `lab/studies/curricula.py`; all settings got five more, once.
-`restricted`: a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table
-uses. A part that was stopped goes on with the same command and skips what has rows; `--table` prints means and
-intervals of its CSV file:
+Each part trains runs in a folder, plays each finished run on held-out scenes, and writes its row. `order`: PAIRED and
+PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely. Every setting has
+ten runs, because five left both games open by the rule of `lab/studies/curricula.py`. `restricted`: a game without a
+rare branch. `settings`: one change of PAIRED at a time, on seeds that no final table uses. The same command continues a
+stopped part and skips finished rows; `--table` prints means and intervals of its CSV file:
 
     python -m lab.paired_football order --csv lab/results/paired_order.csv
     python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into pages
@@ -46,7 +45,7 @@ from ued.core.task import TRAINING_SCENE
 
 SIDES = {"left": "Range(-25, -6)", "right": "Range(6, 25)"}
 OUT = "beside(ego, Range(60, 80), {})"
-BRANCHES = {  # of each game: what its program says, the text that is replaced, and the options
+BRANCHES = {  # by game: the replaced text of its program, and the options
     "1v1Rare": ("Discrete({Range(-2, 2): 1, Range(-25, -6): 25, Range(6, 25): 25})", {"rare": "Range(-2, 2)", **SIDES}),
     "1v1RareLine": (
         f"Discrete({{{OUT.format('aside')}: 50, 99 @ Range(-2, 2): 1}})",
@@ -59,7 +58,7 @@ ENTROPY = "paired.adversary.ent_coef"
 
 
 class Cell(NamedTuple):
-    """Runs of one setting: a game, in which order its options stand, the name of the setting, and what it is."""
+    """Runs of one setting: a game, the order of its options, the name of the setting, the method and its settings."""
 
     game: str
     order: str
@@ -77,7 +76,7 @@ class Part(NamedTuple):
 
 
 def paired(game: str, order: str, variant: str, **settings: Any) -> Cell:
-    """Return a cell of PAIRED; `ent` and other settings of its adversary are named in full."""
+    """Return a cell of PAIRED; settings have their full dotted names."""
     return Cell(game, order, variant, "paired", settings)
 
 
@@ -133,7 +132,7 @@ PARTS = {
 
 
 def program(game: str, order: str, folder: Path) -> str:
-    """Return what to train on: a minigame, or its program with the options in another order, written to a file."""
+    """Return a minigame, or the path of its program with the options in another order."""
     if not order:
         return game
     source = NAMED[game].program
@@ -151,13 +150,13 @@ def program(game: str, order: str, folder: Path) -> str:
     return str(path)
 
 
-# ---------------------------------------------------------------- what a run did
+# ---------------------------------------------------------------- measuring runs
 
 
 def rare_shares(run: RunFolder) -> list[float]:
     """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run.
 
-    It is nan in a fifth without such levels.
+    The share is nan in a fifth without such levels.
     """
     draws = single_game(run.config.minigame).program(run.config).draws
     name, cells = min(
@@ -173,7 +172,7 @@ def rare_shares(run: RunFolder) -> list[float]:
 
 
 def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
-    """Return the row of a run: success on each held-out scene in percent, and the rare branch's share."""
+    """Return the row of a run: success on each held-out scene in percent, and the share of the rare branch."""
     config = replace(run.config, minigame=cell.game)
     game = build.find_game(cell.game)
     student, (env_steps, _) = load_student(run, game)
@@ -198,16 +197,16 @@ COLUMNS = ["game", "order", "variant", "seed", "simulator", "env_steps", "held_o
 COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
 
 
-# ---------------------------------------------------------------- its rows
+# ---------------------------------------------------------------- rows
 
 
 def key_of(row: Mapping[str, Any]) -> tuple[str, str, str, int]:
-    """Return what a later row of the same takes the place of."""
+    """Return the key of the row; a later row with the same key replaces it."""
     return row["game"], row["order"], row["variant"], int(row["seed"])
 
 
 def load(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a file, none if it is not there.
+    """Return the rows of a file, none if the file is missing.
 
     Raises `CommandError` for rows of another version of the simulator, and for a file with other columns.
     """
@@ -221,9 +220,9 @@ def load(path: Path) -> list[dict[str, str]]:
 
 
 def add(path: Path, part: Part, cells: Mapping[Path, Cell], run: RunFolder) -> None:
-    """Play a run and put its row into a file, in the place of an older one; rows stand in the order of the part.
+    """Play a run and put its row into a file in place of an older one, in the order of the part.
 
-    `cells`: what runs are, by their folders.
+    `cells`: the cell of each run, by run folder.
     """
     row = measure(run, cells[run.path])
     place = {cell[:3]: index for index, cell in enumerate(part.cells)}
@@ -235,9 +234,9 @@ def add(path: Path, part: Part, cells: Mapping[Path, Cell], run: RunFolder) -> N
 
 
 def train(part: Part, options: argparse.Namespace) -> int:
-    """Train the runs of a part that have no row, one seed of all after the other; return the exit code.
+    """Train the runs of a part that have no row, one seed at a time; return the exit code.
 
-    Each finished run is played, and its row is kept, while others still train.
+    Each finished run is played, and its row is stored, while others still train.
     """
     base = runs_of(part, options.out / options.part)
     done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= part.env_steps}
@@ -255,12 +254,12 @@ def train(part: Part, options: argparse.Namespace) -> int:
 
 
 def runs_of(part: Part, folder: Path) -> StudyRuns:
-    """Return where the runs of a part are kept, and what their settings are."""
+    """Return the folder and settings of a part's runs."""
     return StudyRuns(folder, training(), {"total_env_steps": part.env_steps, **LONG, **PPO})
 
 
 def begin(base: StudyRuns, cell: Cell, seed: int) -> RunFolder:
-    """Create the folder of a run or open it, if it was made with the same settings."""
+    """Create the folder of a run, or open it if it was made with the same settings."""
     chosen = {"method": cell.method, **cell.settings}
     kind = f"{cell.variant.replace(', ', '_').replace(' ', '_')}-"
     return base.open(program(cell.game, cell.order, base.folder / "programs"), seed, chosen, kind)

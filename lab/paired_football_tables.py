@@ -17,7 +17,7 @@ from regista.experiments.run.results import unique
 from regista.experiments.run.significance import difference_of_means, points
 from ued.statistics import Difference, bootstrap, detectable
 
-FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
+FIFTHS = 5  # of a run; each has its share of the rare branch in the proposals
 EPISODES = 300  # on each held-out scene
 TITLES = {  # of sections of the page
     "order": "Rare levels, by the order of the options",
@@ -25,7 +25,7 @@ TITLES = {  # of sections of the page
     "settings": "Settings of PAIRED",
 }
 SCENES = {"scene_0": "first scene", "scene_1": "second scene"}
-RARE = {"scene_0": "rare scene", "scene_1": "other scene"}  # where every game has a rare option
+RARE = {"scene_0": "rare scene", "scene_1": "other scene"}  # if every game has a rare option
 LAST = f"rare_share_{FIFTHS - 1}"
 SHOWN = {"held_out": "both scenes", LAST: "rare option in proposals"}
 
@@ -34,7 +34,7 @@ Kind = tuple[str, str, str]  # game, order, setting
 
 
 def table(rows: Rows, part: str, kinds: Sequence[Kind]) -> str:
-    """Return the success of each setting with each order, and its difference to the first of its game, in Markdown.
+    """Return the success of each setting with each order, and the difference to its game's first setting, in Markdown.
 
     A game without rows of its first setting has no differences.
     """
@@ -44,7 +44,7 @@ def table(rows: Rows, part: str, kinds: Sequence[Kind]) -> str:
 
 
 def summary(rows: Rows, kinds: Sequence[Kind]) -> str:
-    """Return the same for `order` with the mean over all orders of each seed as one run."""
+    """Return the same table for `order`, in which each seed's mean over all orders counts as one run."""
     settings = list(dict.fromkeys((game, "", setting) for game, _, setting in kinds))
     runs = {kind: over_orders([row for row in rows if (row["game"], "", row["variant"]) == kind]) for kind in settings}
     firsts = {game: next(kind for kind in settings if kind[0] == game) for game, _, _ in settings}
@@ -53,7 +53,7 @@ def summary(rows: Rows, kinds: Sequence[Kind]) -> str:
 
 
 def over_orders(rows: Rows) -> list[Mapping[str, str]]:
-    """Return a row for each seed: the means over its rows of what tables show."""
+    """Return a row for each seed: the means of the table's columns over its rows."""
     found = []
     for seed in unique([row["seed"] for row in rows]):
         mine = [row for row in rows if row["seed"] == seed]
@@ -64,7 +64,7 @@ def over_orders(rows: Rows) -> list[Mapping[str, str]]:
 
 
 def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, columns: Sequence[str]) -> str:
-    """Return a table of runs by what they are, with differences to the first setting of each game."""
+    """Return a table of groups of runs, with differences to the first setting of each game."""
     others = [kind for kind in runs if kind != firsts[kind[0]] and firsts[kind[0]] in runs]
     gains = {kind: difference_of_means(shares(runs[kind]), shares(runs[firsts[kind[0]]])) for kind in others}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
@@ -79,7 +79,7 @@ def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, c
 
 
 def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str) -> str:
-    """Return what stands below the table: budget, marks, the smallest visible difference, simulator and command.
+    """Return the note below the table: budget, marks, the smallest visible difference, simulator and command.
 
     The deviations of runs are pooled over all settings of a game.
     """
@@ -103,7 +103,7 @@ def shares(rows: Rows) -> np.ndarray:
 
 
 def cell(rows: Rows, column: str) -> str:
-    """Return the mean of a column in percent with its interval, nothing where no run has the column."""
+    """Return the mean of a column in percent with its interval; empty if no run has the column."""
     scale = 100 if column.startswith("rare") else 1
     values = np.array([scale * float(row[column]) for row in rows if row.get(column)])
     if not len(values):

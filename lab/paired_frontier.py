@@ -1,8 +1,8 @@
-"""Which regret, how many episodes for each level and which entropy does PAIRED need on the frontier?
+"""Which regret, how many episodes per level and which entropy does PAIRED need on the frontier?
 
 Trains PAIRED on `ued.probes.frontier` with one setting changed at a time, on seeds that the table of the frontier in
-RESULTS.md does not use. A row for each run: the share of the task that its protagonist knows in the end. Rows
-that the file has are not made again:
+RESULTS.md does not use. Writes a row for each run: the share of the task that its protagonist has learned at the end.
+Runs with rows in the file are skipped:
 
     python -m lab.paired_frontier --csv lab/results/paired_frontier.csv
 """
@@ -42,7 +42,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
 }
 SEEDS = range(20, 30)
 TESTS = 20  # evaluations of a run
-EPISODES = 5  # on each test level, in each of them
+EPISODES = 5  # on each test level, per evaluation
 COLUMNS = ("setting", "seed", "env_steps", "known")
 
 

@@ -1,9 +1,10 @@
-"""How much less does regret vary because both students of PAIRED meet the same luck in each episode?
+"""How much does a shared random stream for both students of PAIRED reduce the variance of regret?
 
-PAIRED trains on football; at some points of a run both students play the same levels many times over, once with the
-same luck in each pair of episodes, as in training, and once with luck of their own. Students draw their actions from
-streams of their own in both cases. Written for each point of each run: the variance within a level of antagonist -
-protagonist, with the same luck and with other luck; the same for the default regret from n episodes of each.
+PAIRED trains on football. At some points of a run, both students play the same levels many times: once with the same
+environment seed in each pair of episodes, as in training, and once with different seeds. Students sample their actions
+from separate streams in both cases. Each point of each run has a row with the variance of antagonist - protagonist
+within a level, with the same and with different seeds. It also has the variance of the default regret from n episodes
+of each.
 
     python -m lab.paired_luck --csv lab/results/paired_luck.csv
 """
@@ -25,14 +26,14 @@ from ued.levels.record import Origin
 from ued.levels.scores import population_regret
 
 GAMES = ("1v1Rare", "1v1Restricted", "3v2FourBehaviors")
-POINTS = (200_000, 500_000, 1_000_000)  # env_steps at which a run is looked at
-LEVELS, EPISODES = 128, 16  # of these levels half are random, half the adversary's
-COUNTS = (1, 2, 4, 8)  # episodes for each student that a regret is computed from
+POINTS = (200_000, 500_000, 1_000_000)  # env_steps at which a run is measured
+LEVELS, EPISODES = 128, 16  # half of the levels are random, half are the adversary's
+COUNTS = (1, 2, 4, 8)  # episodes of each student per regret
 SETTINGS = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003, "paired.adversary.ent_coef": 0.1}
 
 
 class OwnStream:
-    """A student that draws its actions from a random stream of its own, whoever plays it."""
+    """A student that samples its actions from its own random stream, regardless of the caller's."""
 
     def __init__(self, student: Any, seed: int) -> None:
         self.student, self.generator = student, torch.Generator().manual_seed(seed)
@@ -43,7 +44,7 @@ class OwnStream:
 
 
 def returns(method: Any, upomdp: Any, levels: np.ndarray, luck: tuple[int, int]) -> np.ndarray:
-    """Return `[2, L, EPISODES]`: of both students, each with luck of this seed."""
+    """Return the returns `[2, L, EPISODES]` of both students, each with its own environment seed from `luck`."""
     played = [
         evaluate(OwnStream(student, 10 + k), upomdp, len(levels) * EPISODES, seed, levels)
         for k, (student, seed) in enumerate(zip(method.students.values(), luck, strict=True))
@@ -52,7 +53,7 @@ def returns(method: Any, upomdp: Any, levels: np.ndarray, luck: tuple[int, int])
 
 
 def spread(played: np.ndarray, count: int | None = None) -> float:
-    """Return the variance within a level of antagonist - protagonist; of regret from `count` episodes of each."""
+    """Return the variance of antagonist - protagonist within a level, or of regret from `count` episodes of each."""
     if count is None:
         values = played[1] - played[0]
     else:
@@ -63,7 +64,7 @@ def spread(played: np.ndarray, count: int | None = None) -> float:
 
 
 def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
-    """Train one run, and return a row for each point of it."""
+    """Train one run, and return a row for each of its points."""
     config = arguments.replace_paths(build.find_game(game).start("fast"), SETTINGS)
     config = replace(config, minigame=game, method="paired", seed=seed, total_env_steps=POINTS[-1])
     make = build.find_game(game).task(config).make

@@ -1,11 +1,11 @@
-"""The trained policies that are installed with Regista, `shipped:NAME`: training, files, and their table.
+"""Train the policies that are installed with Regista, `shipped:NAME`, write their files, and tabulate them.
 
     make policies                        # all of POLICIES
     python -m lab.policies maze          # some of them
 
-A policy is trained in a folder of `--runs`; its student goes to a folder of `--out` that `regista play` and
-`regista evaluate` read. The table of `--page` has all policies of `--out`. Policies of another simulator version must
-be trained again: remove their folders from `--runs` first. Read next: `regista.experiments.run.shipped`.
+A policy is trained in a folder of `--runs`; its student goes to a folder of `--out` that `regista play` and `regista
+evaluate` read. The table of `--page` has all policies of `--out`. Policies of another simulator version must be trained
+again: remove their folders from `--runs` first. Read next: `regista.experiments.run.shipped`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ued.core.task import TRAINING_SCENE
 
 
 class Recipe(NamedTuple):
-    """How a policy is trained; without `flags`, by the defaults of `regista train GAME`."""
+    """Settings for training a policy; without `flags`, the defaults of `regista train GAME`."""
 
     method: str
     env_steps: int
@@ -47,11 +47,11 @@ POLICIES = {  # by game, one for each suite
 }
 SEED = 0
 PAGE = Path("docs/games.md")
-KEPT = ("update", "env_steps", "spaces", versions.KEY)  # of a checkpoint, besides its student
+KEPT = ("update", "env_steps", "spaces", versions.KEY)  # fields of a checkpoint, besides its student
 
 
 def train(game: str, recipe: Recipe, path: Path) -> RunFolder:
-    """Return the trained run of a policy; a stopped one is continued. Raises `SystemExit` if it is stopped again."""
+    """Return the trained run of a policy; a stopped run is continued. Raises `SystemExit` if it is stopped again."""
     begun = ["--resume", str(path)] if (path / "config.json").exists() else command(game, recipe)
     if regista(["train", *begun, *([] if begun[0] == "--resume" else ["--out", str(path)])]):
         raise SystemExit(f"the training of {game} has not finished")
@@ -65,7 +65,7 @@ def command(game: str, recipe: Recipe) -> list[str]:
 
 
 def ship(run: RunFolder, folder: Path, words: Sequence[str]) -> None:
-    """Write a run's settings and its students, but no history and nothing of the machine, to a folder."""
+    """Write a run's settings and its students to a folder, without history or data about the machine."""
     state = run.load()
     assert state is not None
     learners = [
@@ -84,7 +84,7 @@ def ship(run: RunFolder, folder: Path, words: Sequence[str]) -> None:
 
 
 def row(name: str, folder: Path, episodes: int) -> list[str]:
-    """Return the table row of a policy: its success and that of the random policy, on training levels and on tests."""
+    """Return the table row of a policy: its success and the random policy's, on training and on test levels."""
     run = RunFolder.open(folder)
     report = evaluator(run.config, EvaluateConfig(episodes=episodes, levels=0)).report([run])
     rates = [

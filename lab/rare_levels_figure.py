@@ -18,10 +18,10 @@ from ued.statistics import bootstrap
 
 PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.png"
 EVEN, ENTROPY = "dr, equally likely options", "paired, adversary entropy 0.1"
-VARIANTS = {EVEN: "dr", ENTROPY: "paired"}  # of which method
+VARIANTS = {EVEN: "dr", ENTROPY: "paired"}  # their methods
 NAMES = {"dr": "DR", EVEN: "DR, equally\nlikely options", ENTROPY: "PAIRED,\nentropy 0.1"}
 BARS = "Three bars of a method, from left to right: the program lists the rare option first, in the middle, last"
-A_RUN, MEAN = "a run of PAIRED", "mean of {}"  # lines
+A_RUN, MEAN = "a run of PAIRED", "mean of {}"  # labels of lines
 Rows = Sequence[Mapping[str, str]]
 
 
@@ -29,8 +29,8 @@ def draw(rows: Rows, fifths: int, path: Path = PICTURE) -> None:
     """Draw a column for each game: success on its rare scene, and the rare option's share of PAIRED's proposals.
 
     Args:
-        rows: of runs, with percents of success in `scene_0` and shares in `rare_share_0` and on.
-        fifths: parts of a run that have such shares.
+        rows: of runs, with percents of success in `scene_0` and shares in `rare_share_0`, `rare_share_1`, ...
+        fifths: number of parts of a run with such shares.
         path: of the picture.
     """
     games = unique([row["game"] for row in rows])
@@ -76,12 +76,12 @@ WIDTH = 0.26  # of a bar
 
 
 def places_of(place: int, bars: int) -> np.ndarray:
-    """Return where the bars of a group stand: side by side around its place."""
+    """Return the positions of the bars of a group: side by side around the group's position."""
     return place + (np.arange(bars) - (bars - 1) / 2) * WIDTH
 
 
 def line_handle(setting: str) -> Any:
-    """Return what the legend shows of the mean over the runs of a setting of PAIRED."""
+    """Return the legend handle for the mean over the runs of a PAIRED setting."""
     from matplotlib.lines import Line2D
 
     name = NAMES.get(setting, plots.title(setting)).replace("\n", " ")
@@ -89,7 +89,7 @@ def line_handle(setting: str) -> Any:
 
 
 def thin_handle() -> Any:
-    """Return what the legend shows of a single run of PAIRED."""
+    """Return the legend handle for a single run of PAIRED."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=A_RUN, **THIN)
@@ -99,7 +99,7 @@ THIN: dict[str, Any] = {"color": plots.FAINT, "linewidth": 0.6, "alpha": 0.6}  #
 
 
 def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
-    """Draw how many of PAIRED's proposals had the rare option in each part of the run: runs, and means of settings."""
+    """Draw the rare option's share of PAIRED's proposals in each part of a run: single runs, and means of settings."""
     centers = (np.arange(fifths) + 0.5) / fifths
     found: dict[str, list[list[float]]] = {}
     for row in rows:

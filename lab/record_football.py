@@ -1,9 +1,9 @@
-"""What does this version of the football simulator play? Records the reference of the test that holds it.
+"""Record the reference of the regression test of the football simulator, or compare this version with it.
 
-The reference is `tests/envs/played.npz`: scenes, and what came of them. Without flags the scenes are played, and what
-is played otherwise than before is printed, row by row. Each row is also played eight times with a disturbance that is
-far larger than the rounding of any processor, and three times with functions that round otherwise; it is kept until the
-first step at which that makes a difference.
+The reference is `tests/envs/played.npz`: scenes and their outcomes. Without flags, the program plays the scenes and
+prints the differences from the reference, row by row. Each row is also played eight times with a disturbance far larger
+than the rounding of any processor, and three times with functions that round differently. A row is kept until the first
+step at which any of these makes a difference.
 
     python -m lab.record_football                  # compare, write nothing
     python -m lab.record_football --write          # keep what is played now, under a new version
@@ -27,15 +27,15 @@ from tests.envs import played
 from tests.envs.played import EVERY, FACTS, TOLERANCE, Kept, Scene
 
 SEED = 1  # of the scenes
-ROWS, LONG = 6, 30  # of a scene that are kept; steps for which each is to be steady, where there are such
-WORTH = {"mode": 5, "left goals": 5, "right goals": 5, "ended": 5, "cards": 50, "agents": 0}  # of what else happens: 1
+ROWS, LONG = 6, 30  # rows kept of a scene; minimum number of steady steps of a row, if such rows exist
+WORTH = {"mode": 5, "left goals": 5, "right goals": 5, "ended": 5, "cards": 50, "agents": 0}  # weights; 1 for others
 ROUNDINGS = (1, 2, 3)  # seeds of `lab/football_mutants.py`
 COPIES = 4  # of each row with either disturbance:
-AT_START, IN_EACH_STEP = 1e-7, 1e-12  # m of places; m of places, and share of velocities, of what moves
+AT_START, IN_EACH_STEP = 1e-7, 1e-12  # m of positions; m of positions and share of velocities, of moving things
 
 
 def record(scene: Scene) -> Kept:
-    """Play a scene, and find out until which step each row does not depend on roundings."""
+    """Play a scene, and find the number of steps for which each row does not depend on rounding."""
     rows, rng = len(scene.seeds), np.random.default_rng(0)
 
     def disturb(matches: np.ndarray, step: int) -> None:
@@ -45,7 +45,7 @@ def record(scene: Scene) -> Kept:
                 place, velocity = things[axis], things["v" + axis]
                 if step == 0:
                     place[rows:later] += AT_START * rng.uniform(-1.0, 1.0, place[rows:later].shape)
-                size = IN_EACH_STEP * (velocity[later:] != 0.0)  # standing players have been placed exactly
+                size = IN_EACH_STEP * (velocity[later:] != 0.0)  # standing players have exact positions
                 place[later:] += size * rng.uniform(-1.0, 1.0, size.shape)
                 velocity[later:] *= 1.0 + size * rng.uniform(-1.0, 1.0, size.shape)
 
@@ -59,21 +59,21 @@ def record(scene: Scene) -> Kept:
 
 
 def choose(kept: Kept) -> Kept:
-    """Return a scene with those of its rows in which most happens while they are steady; rare events count more."""
+    """Return a scene with the rows that have most events while they are steady; rare events count more."""
     happens = (np.diff(kept.facts, axis=0) != 0) @ np.array([WORTH.get(name, 1) for name in FACTS])  # [T - 1, R]
     worth = [(until >= LONG, int(happens[: until - 1, row].sum())) for row, until in enumerate(kept.steady)]
     return of_rows(kept, sorted(range(len(worth)), key=lambda row: worth[row], reverse=True)[:ROWS])
 
 
 def of_rows(kept: Kept, rows: Sequence[int]) -> Kept:
-    """Return a scene with some of its rows, but none that is never steady."""
+    """Return a scene with some of its rows, without rows that are never steady."""
     chosen = np.array([row for row in rows if kept.steady[row]], int)
     scene = replace(kept.scene, seeds=tuple(kept.scene.seeds[row] for row in chosen))
     return Kept(scene, kept.facts[:, chosen], kept.digests[:, chosen], kept.steady[chosen])
 
 
 def cut(kept: Sequence[Kept], seed: int) -> list[Kept]:
-    """Return scenes as the file has them, each row as far as other roundings make no difference."""
+    """Return scenes in the form of the file, each row cut at the first step that depends on rounding."""
     by_name = {one.scene.name: one for one in kept}
     for found in notice(["rounded", "--seed", str(seed)], only_first=False):
         steady = by_name[found["scene"]].steady
@@ -82,7 +82,7 @@ def cut(kept: Sequence[Kept], seed: int) -> list[Kept]:
 
 
 def keep(scenes: Iterable[Scene], chosen: bool) -> None:
-    """Play scenes and write the file; with some of their rows, if they are to be `chosen`."""
+    """Play scenes and write the file; with `chosen`, only some of their rows are kept."""
     kept = [choose(record(scene)) if chosen else record(scene) for scene in scenes]
     kept = [one for one in kept if len(one.steady)]
     for seed in ROUNDINGS:
@@ -94,12 +94,12 @@ def keep(scenes: Iterable[Scene], chosen: bool) -> None:
 
 
 def differences(old: Sequence[Kept]) -> list[str]:
-    """Return what is played otherwise than it was, a line for each row."""
+    """Return the differences from the reference, a line for each row."""
     return [f"{one.scene.name}, {change}" for one in old for change in one.changes(played.play(one.scene))]
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the script and give its exit code: 1 where anything is played otherwise and is not kept."""
+    """Run the script and return its exit code: 1 if there are differences that are not kept."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     for flag in ("--write", "--amend", "--draw"):
         parser.add_argument(flag, action="store_true")

@@ -2,14 +2,15 @@
 
     python -m lab.trainer_speed --csv lab/results/trainer_speed.csv
 
-Every measurement is a process of its own on one thread, see `lab.trainers`: a trainer that is warm trains for some
+Every measurement is a separate process on one thread, see `lab.trainers`: after a warm-up, a trainer trains for some
 seconds of processor time. Rounds repeat all measurements, one trainer after the other, and the table has medians. The
 table reports libraries that are missing; they are optional:
 
     pip install stable-baselines3 tensorboard
     pip install --no-deps --ignore-requires-python cleanrl==1.2.0    # its ppo.py runs on newer versions of Python, too
 
-All take 24 gradient steps per rollout, 3 epochs of 8 minibatches, and normalize advantages per minibatch. What differs:
+All take 24 gradient steps per rollout, 3 epochs of 8 minibatches, and normalize advantages per minibatch. They differ
+in these points:
 
     regista     normalizes observations by running statistics; plays rollouts and evaluates the policy in a kernel
     sb3         weights the value loss twice as much as regista, which halves the squared error
@@ -17,9 +18,9 @@ All take 24 gradient steps per rollout, 3 epochs of 8 minibatches, and normalize
     pufferlib   draws segments of one environment with replacement, by the size of their advantages, instead of epochs;
                 computes all advantages for each minibatch; clips rewards and values; disregards truncation
 
-PufferLib 3.0.0 has to be built from its source package, with NO_OCEAN=1, `--no-deps --no-build-isolation`, and one more
-line in its setup.py, `c_extension_paths = []`, which that variable leaves undefined; its trainer imports gym==0.23.0,
-pyro-ppl and rich_argparse.
+PufferLib 3.0.0 has to be built from its source package, with NO_OCEAN=1 and `--no-deps --no-build-isolation`. Its
+setup.py needs one more line, `c_extension_paths = []`, which that variable leaves undefined. Its trainer imports
+gym==0.23.0, pyro-ppl and rich_argparse.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ ROOT = Path(__file__).parents[1]
 TORSOS = {
     "regista": ("shared", "separate"),
     "sb3": ("shared", "separate"),
-    "cleanrl": ("separate",),  # the script has no others
+    "cleanrl": ("separate",),  # the script supports no other torsos
     "pufferlib": ("shared", "separate"),
 }
 MEASURED = "steps_per_second", "gradient_steps", "weights", "load", "versions"
@@ -79,7 +80,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def measure(options: argparse.Namespace, trainer: str, torso: str, shape: str) -> dict[str, Any]:
-    """Return a row without its round; `load` has the averages of 1, 5 and 15 minutes after the measurement."""
+    """Return a row without its round; `load` has the load averages of 1, 5 and 15 minutes after the measurement."""
     num_envs, num_steps = map(int, shape.split("x"))
     row = {"trainer": trainer, "torso": torso, "num_envs": num_envs, "num_steps": num_steps}
     found = run(row | {"game": options.game, "warm": options.warm, "seconds": options.seconds})
@@ -92,7 +93,7 @@ def measure(options: argparse.Namespace, trainer: str, torso: str, shape: str) -
 
 
 def run(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what `lab.trainers` measures in a process. Raises RuntimeError with its error output if it fails."""
+    """Measure with `lab.trainers` in a new process. Raises RuntimeError with its error output if it fails."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-W", "ignore", "-m", "lab.trainers", json.dumps(request)]
     with tempfile.TemporaryDirectory() as folder:  # for the files of trainers

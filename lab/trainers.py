@@ -3,10 +3,10 @@
     python -m lab.trainers '{"trainer": "sb3", "torso": "shared", "game": "1v1Rare", "num_envs": 16, "num_steps": 512,
                              "warm": 4, "seconds": 10}'
 
-prints one line of JSON; CleanRL writes `runs/` to the current folder. All trainers play the same environments, with a
-random level in each episode, and train a network of the same size with the game's settings of PPO. Rollouts and
-learning are each library's own code. CleanRL is a script that makes its environments from a module `gym`: it gets one
-whose vector environment is ours. `lab.trainer_speed` runs this file once per measurement.
+The program prints one line of JSON; CleanRL writes `runs/` to the current folder. All trainers play the same
+environments, with a random level in each episode. All train a network of the same size with the game's PPO settings.
+Rollouts and learning are each library's own code. CleanRL is a script that makes its environments from a module `gym`;
+it gets a module with our vector environment. `lab.trainer_speed` runs this file once per measurement.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from torch.optim.optimizer import Optimizer, register_optimizer_step_post_hook
 
 from regista.experiments.run import build
 
-ENDLESS = 10**9  # environment steps of a training that `Meter` ends
+ENDLESS = 10**9  # environment steps of a training run that `Meter` ends
 COMMON = "torch", "numpy", "gymnasium", "numba"  # packages of all trainers; numba compiles the simulator
 PACKAGES = {
     "regista": (),
@@ -58,7 +58,7 @@ class Meter:
     Attributes:
         speed: environment steps per second of processor time.
         gradient_steps: of each round; counted before the measurement, since counting takes time.
-        weights: number of weights that are learned.
+        weights: number of trainable weights.
     """
 
     def __init__(self, batch: int, warm: int, seconds: float) -> None:
@@ -126,7 +126,7 @@ def versions(trainer: str) -> str:
 
 
 def make_job(request: dict[str, Any]) -> Job:
-    """Make the environments and settings of a measurement: those of the game, but for the shape and the torsos."""
+    """Make the environments and settings of a measurement: those of the game, except for the shape and the torsos."""
     game, num_envs = build.find_game(request["game"]), request["num_envs"]
     config = game.start("fast")
     ppo = replace(config.ppo, num_steps=request["num_steps"], shared_torso=request["torso"] == "shared")
@@ -145,15 +145,15 @@ def train_regista(job: Job) -> None:
 
 
 def torso(job: Job) -> nn.Sequential:
-    """Return hidden layers as large as Regista's."""
+    """Return hidden layers of the same size as Regista's."""
     sizes = [job.upomdp.single_observation_space.shape[0]] + [job.config.ppo.hidden_size] * job.config.ppo.hidden_layers
     return nn.Sequential(*(layer for pair in pairwise(sizes) for layer in (nn.Linear(*pair), nn.Tanh())))
 
 
 def metered(job: Job) -> Any:
-    """Return the environments as Stable-Baselines3's `VecEnv`, whose steps the meter notes.
+    """Return the environments as Stable-Baselines3's `VecEnv`; the meter counts their steps.
 
-    Resets and steps return what those of vector environments of Gym did before version 0.26.
+    Resets and steps have the return values of Gym's vector environments before version 0.26.
     """
     from ued.adapters.sb3 import SB3VecEnv
 
@@ -169,7 +169,7 @@ def metered(job: Job) -> Any:
 
 
 def train_sb3(job: Job) -> None:
-    """Train with Stable-Baselines3's PPO. A torso for both actor and critic is its extractor of features."""
+    """Train with Stable-Baselines3's PPO. A shared torso for actor and critic is its features extractor."""
     from stable_baselines3 import PPO
     from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 
@@ -206,7 +206,7 @@ def train_sb3(job: Job) -> None:
 
 
 def train_cleanrl(job: Job) -> None:
-    """Run the script of CleanRL's PPO, whose network is fixed: two layers of 64 units each for actor and critic."""
+    """Run CleanRL's PPO script, whose network is fixed: two layers of 64 units each for actor and critic."""
     ppo, gym = job.config.ppo, types.ModuleType("gym")
     if (ppo.shared_torso, ppo.hidden_size, ppo.hidden_layers) != (False, 64, 2):
         raise ValueError(f"CleanRL's script trains separate torsos of 2 layers of 64 units, not those of {ppo}")
@@ -221,7 +221,7 @@ def train_cleanrl(job: Job) -> None:
 
 
 def train_pufferlib(job: Job) -> None:
-    """Train with PufferLib's `PuffeRL`, our environments being its native ones, without its display."""
+    """Train with PufferLib's `PuffeRL` without its display, with our environments as its native ones."""
     from pufferlib.pufferl import PuffeRL
 
     trainer = PuffeRL(puffer_settings(job), puffer_env(job), PufferPolicy(job))
@@ -236,7 +236,7 @@ def train_pufferlib(job: Job) -> None:
 
 
 def puffer_settings(job: Job) -> dict[str, Any]:
-    """Return the settings of `PuffeRL`: its defaults, but for those that the game has."""
+    """Return the settings of `PuffeRL`: its defaults, except for those that the game specifies."""
     ppo, batch = job.config.ppo, job.meter.batch
     names = (*SETTINGS, "adam_eps")
     shape = {"batch_size": batch, "bptt_horizon": ppo.num_steps, "minibatch_size": batch // ppo.num_minibatches}
@@ -249,7 +249,7 @@ def puffer_settings(job: Job) -> dict[str, Any]:
 
 
 def puffer_env(job: Job) -> Any:
-    """Return the environments as one of PufferLib, whose agents are ours."""
+    """Return the environments as one PufferLib environment, with one agent for each of them."""
     from pufferlib import PufferEnv
 
     upomdp = job.upomdp
@@ -275,7 +275,7 @@ def puffer_env(job: Job) -> Any:
 
 
 class PufferPolicy(nn.Module):
-    """A policy and a value on one torso or two, in the form that PufferLib expects."""
+    """A policy and a value on one or two torsos, in the form that PufferLib expects."""
 
     def __init__(self, job: Job) -> None:
         super().__init__()

@@ -4,10 +4,11 @@
     python -m lab.training_speed --against ../other-checkout       # both, in turns
     python -m lab.training_speed --preset thesis --pixels sparse dense --game 1v1Free --methods dr --shapes 16x128
 
-Every measurement is a process of its own: a method that has made a few updates trains for some seconds of processor
-time. Rounds repeat all measurements, and the table has their medians; speeds of one round lie side by side in time.
-The physical limit is the floating point operations of forward passes and learning at the speed of a large matrix
-product on this core. Networks on coordinates of pixels may be faster than that: it counts the products of images.
+Every measurement is a separate process: after a few updates, a method trains for some seconds of processor time. Rounds
+repeat all measurements, and the table has their medians; the speeds of one round are measured close in time. The
+physical limit is the time of the floating point operations of training, at the speed of a large matrix product on this
+core; they comprise forward passes and learning. Networks on coordinates of pixels may be faster than this limit, which
+counts the products of whole images.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ COLUMNS = (
     *("round", "code", "pixels", "game", "method", "num_envs", "num_steps", "steps_per_second"),
     *(*SHARES, "limit", "simulator"),
 )  # fmt: skip
-BACKWARD = 2  # the gradient of a product takes two products
+BACKWARD = 2  # the gradient of a product needs two products
 
-# What one process measures; it must run with the code of older checkouts, too.
+# Runs in one process; it must also work with the code of older checkouts.
 MEASURED = """
 import json, sys, time
 from dataclasses import replace
@@ -117,7 +118,7 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def measure(folder: Path, options: argparse.Namespace, what: tuple[str, str, str], peak: float) -> dict[str, Any]:
-    """Return a row: steps per second, microseconds per step of each activity, and the physical limit of those.
+    """Return a row: steps per second, microseconds per step of each activity, and the physical limit.
 
     `what` is the method, the shape of rollouts, and the form of images.
     """
@@ -132,7 +133,7 @@ def measure(folder: Path, options: argparse.Namespace, what: tuple[str, str, str
 
 
 def run_python(code: str, folder: Path, *arguments: str) -> str:
-    """Run code with the modules of a checkout; return the last line of what it prints."""
+    """Run code with the modules of a checkout; return the last line of its output."""
     environment = os.environ | {"PYTHONPATH": str(folder.resolve()), "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-W", "ignore", "-c", code, *arguments]
     done = subprocess.run(command, cwd=folder, env=environment, check=True, stdout=subprocess.PIPE, text=True)
@@ -140,7 +141,7 @@ def run_python(code: str, folder: Path, *arguments: str) -> str:
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return medians over the rounds as a Markdown table; the ratio is that to the other code, or to dense images."""
+    """Return medians over the rounds as a Markdown table, with the ratio to the other code or to dense images."""
     lines = [
         "| method | envs x steps | pixels | code | env steps/s | ratio | us per step: "
         + " | ".join(SHARES)

@@ -1,8 +1,8 @@
-"""What transfers to Google Research Football (GRF): trains and plays in both engines, one part at a time.
+"""What transfers to Google Research Football (GRF)? Trains and plays in both engines, one part at a time.
 
 Each part writes lab/results/transfer_PART.csv and can be stopped at any time; the same command continues it. Rows of
-another simulator version are dropped, and runs are trained again. `make grf` installs GRF. Core-minutes, of which two
-processes do two a minute:
+another simulator version are dropped, and runs are trained again. `make grf` installs GRF. The numbers below are
+core-minutes; two processes use two per minute:
 
     python -m lab.transfer policies    # 38: nine games, two representations, five seeds
     python -m lab.transfer defense     # 22: four defenses, three seeds, 5M steps
@@ -11,7 +11,7 @@ processes do two a minute:
     python -m lab.transfer converse    # 95, estimated: PPO trained in GRF on two games, three seeds, 300k steps
     python -m lab.transfer tables      # seconds: all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
 
-The table of exploits is made of the rows of `policies`. Read next: `lab/transfer_tables.py`, which makes the tables.
+The table of exploits uses the rows of `policies`. Read next: `lab/transfer_tables.py`, which makes the tables.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from regista.experiments.run.launch.workers import processes
 from regista.experiments.run.report import save_rows
 from regista.experiments.transfer.replaying import Plan, Result, play_run
 
-BUDGETS = {  # env_steps after which returns hardly rise any more
+BUDGETS = {  # env_steps after which returns hardly rise
     "academy/run_to_score": 500_000,
     "academy/run_to_score_with_keeper": 1_000_000,
     "academy/pass_and_shoot_with_keeper": 500_000,
@@ -58,11 +58,11 @@ CONVERSE_STEPS = 300_000
 SEEDS = range(400, 405)  # used for nothing else
 SCENES, SCENES_SEED, CHUNK = 200, 40_401, 10
 EXPERTS_SEED = 400
-GRF = EngineConfig(engine="grf", grf_workers=1)  # each process of ours has one that holds engines
+GRF = EngineConfig(engine="grf", grf_workers=1)  # each of our processes has one process with GRF engines
 
 
 class Unit(NamedTuple):
-    """Work of one process: `key` names it in the CSV file, by column; a trained run has settings and a budget."""
+    """Work of one process: `key` identifies it in the CSV file, by column; a trained run has settings and a budget."""
 
     part: str
     key: dict[str, Any]
@@ -73,7 +73,7 @@ class Unit(NamedTuple):
 
 @dataclass(frozen=True)
 class Options:
-    """What is typed: `env_steps` and `episodes` replace a part's own where they are not 0."""
+    """Command line options: `env_steps` and `episodes` replace a part's own if they are not 0."""
 
     out: Path
     results: Path
@@ -136,7 +136,7 @@ PARTS = {"policies": policies, "defense": defense, "scenes": scenes, "experts": 
 
 
 def do(unit: Unit, options: Options) -> list[dict[str, Any]]:
-    """Do a unit's work and return its rows; what training prints goes into a file."""
+    """Do a unit's work and return its rows; the output of training goes to a file."""
     folder = options.out / simulator_version() / unit.part
     folder.mkdir(parents=True, exist_ok=True)
     began = core_seconds()
@@ -147,7 +147,7 @@ def do(unit: Unit, options: Options) -> list[dict[str, Any]]:
 
 
 def core_seconds() -> float:
-    """Return the CPU time of this process and of its children that have ended, those with engines of GRF."""
+    """Return the CPU time of this process and of its ended children, including those with GRF engines."""
     return sum(sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
 
 
@@ -156,7 +156,7 @@ def do_run(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]]:
     settings = dict(unit.settings or {})
     if options.env_steps:
         settings["total_env_steps"] = options.env_steps
-    folder /= str(settings["total_env_steps"])  # no run continues one of another budget
+    folder /= str(settings["total_env_steps"])  # no run continues a run of another budget
     run = StudyRuns(folder, training(unit.rewards), {}).open(unit.key["game"], unit.key["seed"], settings)
     if not run.finished() and train.main(run.argv[1:]):
         raise CommandError(f"{run.path} was stopped")
@@ -204,7 +204,7 @@ def do_expert(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]
 
 
 def load(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a file that this simulator has made."""
+    """Return the rows of a file that were measured with this simulator version."""
     if not path.exists():
         return []
     with open(path, newline="") as file:
@@ -212,23 +212,23 @@ def load(path: Path) -> list[dict[str, Any]]:
 
 
 def missing(units: Sequence[Unit], rows: Sequence[dict[str, Any]]) -> list[Unit]:
-    """Return the units of which there is no row."""
+    """Return the units without rows."""
     done = {place(units, row) for row in rows}
     return [unit for number, unit in enumerate(units) if number not in done]
 
 
 def place(units: Sequence[Unit], row: dict[str, Any]) -> int:
-    """Return the number of the unit that a row is of; one more than the last for a row of another call."""
+    """Return the index of a row's unit; the number of units for a row of another call."""
     alike = (n for n, unit in enumerate(units) if all(str(row[name]) == str(v) for name, v in unit.key.items()))
     return next(alike, len(units))
 
 
 def do_all(units: Sequence[Unit], options: Options, path: Path) -> bool:
-    """Do the units that have no rows, so many at a time, and save rows as they come; return whether all have rows.
+    """Do the units without rows in parallel, and save rows as they come; return whether all units have rows.
 
     A unit that fails is reported and left for the next call.
     """
-    os.environ["OMP_NUM_THREADS"] = "1"  # of each process that is started
+    os.environ["OMP_NUM_THREADS"] = "1"  # of each started process
     units, rows = units[: options.limit or None], load(path)
     waiting, began = missing(units, rows), time.monotonic()
     active: dict[Any, Unit] = {}
@@ -254,7 +254,7 @@ def do_all(units: Sequence[Unit], options: Options, path: Path) -> bool:
 
 
 def save(rows: Sequence[dict[str, Any]], path: Path) -> None:
-    """Write all rows, real numbers with four digits."""
+    """Write all rows, with four digits for real numbers."""
     path.parent.mkdir(parents=True, exist_ok=True)
     plain = [
         {name: f"{v:.4g}" if isinstance(v, float) else v for name, v in row.items() if v not in ("", None)}
@@ -265,7 +265,7 @@ def save(rows: Sequence[dict[str, Any]], path: Path) -> None:
 
 
 def options_of(parser: argparse.ArgumentParser) -> tuple[Options, dict[str, Any]]:
-    """Add the options that all parts share and parse; return them, and what else was typed."""
+    """Add the options that all parts share and parse; return them, and the other arguments."""
     parser.add_argument("--out", type=Path, default=Path("runs/transfer"), help="folder of the trained runs")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder of the CSV files")
     parser.add_argument("--processes", type=int, default=2, help="units at a time")

@@ -1,8 +1,9 @@
-"""Tables of what transfers to GRF, made of the CSV files of `lab/transfer.py` and `lab/academy_baselines.py`.
+"""Tables of transfer to GRF, made from the CSV files of `lab/transfer.py` and `lab/academy_baselines.py`.
 
-A page has a place for each table, `<!-- table: NAME -->` to `<!-- end -->`; what stands between is replaced. Columns of
-the files of trained runs: `ended/WORD` are shares of the episodes; `distance/A to B` and `keeper/A to B` are shares of
-the goals by the distance of the last kick from the goal and by the keeper's distance from its line, in m.
+A page has a place for each table, `<!-- table: NAME -->` to `<!-- end -->`; the text between these marks is replaced.
+Columns of the files of trained runs: `ended/WORD` are shares of the episodes; `distance/A to B` are shares of the goals
+by the distance of the last kick from the goal, in m. `keeper/A to B` are shares of the goals by the keeper's distance
+from its line, in m.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ RESULTS = ROOT / "lab" / "results"
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
 REPRESENTATIONS = ("simple115", "features")
 SAMPLES = 4000
-EXPLOIT, HARDLY, FEW = 0.5, 0.1, 20  # shares of our goals and of GRF's; goals below which nothing is said
+EXPLOIT, HARDLY, FEW = 0.5, 0.1, 20  # shares of our goals and of GRF's; minimum number of goals for a verdict
 OVER_RUNS = "95% CI: bootstrap over runs and their episodes; none below 5 runs"
 
 Rows = list[dict[str, str]]
 
 
 def simulator_version() -> str:
-    """Return the version of our simulator, the one place where the lab's scripts take it from."""
+    """Return the version of our simulator, the single source for the lab's scripts."""
     return str(SIMULATOR_VERSION)
 
 
@@ -62,23 +63,23 @@ def number(interval: Interval | Difference, sign: str = "") -> str:
 
 
 def chosen(rows: Rows, **values: str) -> Rows:
-    """Return the rows that have these values."""
+    """Return the rows with these values."""
     return [row for row in rows if all(row[name] == value for name, value in values.items())]
 
 
 def unique(rows: Rows, name: str) -> list[str]:
-    """Return the values of a column in their order."""
+    """Return the distinct values of a column in their order."""
     return list(dict.fromkeys(row[name] for row in rows))
 
 
 def per_run(rows: Rows) -> str:
-    """Return the episodes of a run in both engines, as words."""
+    """Return the episodes of a run in both engines, in words."""
     ours, grf = (" or ".join(unique(chosen(rows, engine=engine), "episodes")) for engine in ENGINES)
     return f"{ours} episodes of each run in our simulator, {grf} in GRF"
 
 
 def seeds(rows: Rows) -> str:
-    """Return the seeds as words."""
+    """Return the seeds in words."""
     named = sorted(map(int, unique(rows, "seed")))
     return f"seed {named[0]}" if len(named) == 1 else f"seeds {named[0]} to {named[-1]}"
 
@@ -89,7 +90,7 @@ def steps(rows: Rows) -> str:
 
 
 def results(rows: Rows) -> list[Result]:
-    """Return the goals and episodes of runs, a result for each pair of rows."""
+    """Return the goals and episodes of runs, one result for each pair of rows."""
     names = ("game", "representation", "seed")
     runs: dict[tuple[str, ...], dict[str, Any]] = {}
     for row in rows:
@@ -115,7 +116,7 @@ def ratios(rows: Rows) -> dict[str, dict[str, Interval]]:
 
 
 def verdicts(rows: Rows) -> list[list[str]]:
-    """Return on how many games policies transfer: a line for each representation and one for both."""
+    """Return the number of games on which policies transfer: a line for each representation and one for both."""
     found = ratios(rows)
     table = []
     for kind in (*REPRESENTATIONS, "both"):
@@ -156,7 +157,7 @@ def policies(rows: Rows) -> str:
 
 
 def pooled(rows: Rows, name: str, limits: Sequence[float]) -> dict[str, float]:
-    """Return the shares of the goals of all runs, by the words of `goals.shares`."""
+    """Return the shares of the goals of all runs, by the labels of `goals.shares`."""
     words = shares(np.zeros(1), limits)
     goals = np.array([int(row["goals"]) for row in rows])
     total = max(goals.sum(), 1)
@@ -164,7 +165,7 @@ def pooled(rows: Rows, name: str, limits: Sequence[float]) -> dict[str, float]:
 
 
 def exploited(rows: Rows) -> list[str]:
-    """Return the ways of scoring that make more than half of our goals and hardly any of GRF's."""
+    """Return the ways of scoring that make more than half of our goals and less than a tenth of GRF's."""
     sides = [chosen(rows, engine=engine) for engine in ENGINES]
     if min(sum(int(row["goals"]) for row in side) for side in sides) < FEW:
         return [f"fewer than {FEW} goals"]
@@ -176,7 +177,7 @@ def exploited(rows: Rows) -> list[str]:
 
 
 def exploits(rows: Rows) -> str:
-    """Return where goals come from in both engines."""
+    """Return the table of where goals come from in both engines."""
     kinds = (("distance", FAR), ("keeper", OUT))
     far, out = (" / ".join(shares(np.zeros(1), limits)) for _, limits in kinds)
     head = ["game", "goals, ours", "GRF", f"last kick from, m, ours: {far}", "GRF"]
@@ -201,7 +202,7 @@ def exploits(rows: Rows) -> str:
 
 
 def gaps(rows: Rows) -> Difference:
-    """Return the mean of GRF's goal difference less ours over runs."""
+    """Return the mean over runs of GRF's goal difference minus ours."""
     ours, grf = (np.array([float(row["mean_return"]) for row in chosen(rows, engine=engine)]) for engine in ENGINES)
     return bootstrap(grf - ours, np.random.default_rng(0)).difference()
 
@@ -241,7 +242,7 @@ def defense(rows: Rows) -> str:
 
 
 def over_scenes(rows: Rows, name: str, statistic: Callable[[np.ndarray], float]) -> Interval:
-    """Return a statistic of a column with its percentile bootstrap interval over scenes that have a value."""
+    """Return a statistic of a column with its percentile bootstrap interval over the scenes with a value."""
     values = np.array([float(row[name]) for row in rows if row.get(name)])
     if not len(values):
         return Interval(np.nan, np.nan, np.nan)
@@ -296,7 +297,7 @@ def programs(rows: Rows) -> str:
 
 
 def converse(rows: Rows) -> str:
-    """Return the table of policies that were trained in GRF."""
+    """Return the table of policies trained in GRF."""
     table = [["game", "seed", "goals, GRF", "ours"]]
     for game in unique(rows, "game"):
         for seed in sorted(unique(chosen(rows, game=game), "seed")):
@@ -335,14 +336,14 @@ def academy(rows: Rows) -> str:
 
 
 def of_policies(rows: Rows) -> list[list[str]]:
-    """Return the lines of the policies: how many games transfer, and how many have exploits."""
+    """Return the summary lines of the policies: how many games transfer, and how many have exploits."""
     games = [game for game in unique(rows, "game") if any("**" in x for x in exploited(chosen(rows, game=game)))]
     named = f"{len(games)}: {', '.join(games)}" if games else "0"
     return [*verdicts(rows), ["Games with a way of scoring that works only in our simulator", named]]
 
 
 def summary(files: dict[str, Rows]) -> str:
-    """Return a line for each part that has rows."""
+    """Return a line for each part with rows."""
     table = [["question", "result"]]
     if rows := files["policies"]:
         table += of_policies(rows)
@@ -377,7 +378,7 @@ NOTHING = "No results for this simulator yet."
 
 
 def load(path: Path) -> Rows:
-    """Return the rows of a CSV file, none where there is no file."""
+    """Return the rows of a CSV file, none if the file is missing."""
     if not path.exists():
         return []
     with open(path, newline="") as file:
@@ -402,6 +403,6 @@ def filled(text: str, folder: Path = RESULTS) -> str:
 
 
 def write_tables(root: Path = ROOT, folder: Path = RESULTS) -> None:
-    """Write the tables of all pages again."""
+    """Rewrite the tables of all pages."""
     for page in PAGES:
         write_text(root / page, filled((root / page).read_text(), folder))

@@ -1,1 +1,1 @@
-"""Speed of the simulator, of training and of the language; see `lab.benchmarks.__main__`."""
+"""Benchmark the speed of the simulator, of training and of the language; see `lab.benchmarks.__main__`."""

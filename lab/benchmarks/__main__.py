@@ -1,8 +1,8 @@
-"""The speed of the simulator, of training and of the language, side by side in one run.
+"""Speed of the simulator, of training and of the language, side by side in one run.
 
     python -m lab.benchmarks --suite sim
     python -m lab.benchmarks --suite language
-    python -m lab.benchmarks --suite scale --figures scale       # what grows with environments, players, θ, buffers ...
+    python -m lab.benchmarks --suite scale --figures scale       # costs by environments, players, θ, buffers ...
     python -m lab.benchmarks --suite grf --family motion ball      # likeness to Google Research Football, not speed
     python -m lab.benchmarks --suite grf --measure                 # the same actions in drawn scenes, in both engines
     python -m lab.benchmarks --suite grf --measure --family experts
@@ -42,14 +42,14 @@ from ued.config import Checked, setting
 
 DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
 
-# Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
-# over scenarios and observations. Measured with its own `create_environment(render=False)`.
+# Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC. The range
+# is over scenarios and observations, measured with GRF's own `create_environment(render=False)`.
 REFERENCE = (310, 570)
 
 
 @dataclass(frozen=True)
 class BenchmarkConfig(Checked):
-    """What is typed after `python -m lab.benchmarks`."""
+    """Arguments of `python -m lab.benchmarks`."""
 
     suite: Literal["sim", "train", "language", "all", "scale", "grf"] = setting(
         "all",
@@ -79,7 +79,7 @@ class BenchmarkConfig(Checked):
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the suites and return the exit code; an error of the user is one sentence."""
+    """Run the suites and return the exit code; a user error is reported in one sentence."""
     return run_command(measure_all, argv)
 
 
@@ -108,7 +108,7 @@ def measure_all(argv: Sequence[str]) -> int:
 
 
 def likeness(config: BenchmarkConfig) -> int:
-    """Compare with the measurements of the original, family by family, and print each as soon as it is there."""
+    """Compare our simulator with the measurements of GRF, family by family, and print each result as it arrives."""
     results = {}
     for family in config.family or FAMILIES:
         rows = compare(family, config.effort)
@@ -123,7 +123,7 @@ def likeness(config: BenchmarkConfig) -> int:
 
 
 def measure(config: BenchmarkConfig) -> int:
-    """Measure in both engines, family by family, and print each as soon as it is there."""
+    """Measure both engines, family by family, and print each result as it arrives."""
     results: dict[str, Any] = {}
     for family in config.family or ("differential",):
         text, numbers = MEASURES[family](config.measuring, config.effort, config.figures)
@@ -136,7 +136,7 @@ def measure(config: BenchmarkConfig) -> int:
 
 
 def scale(config: BenchmarkConfig) -> int:
-    """Measure what things cost as they grow, and draw it if wanted."""
+    """Measure how costs grow, and draw the curves if figures are requested."""
     from lab.benchmarks.scale import draw, rows_of, scale_suite
 
     points = list(scale_suite(config.minigame, config.seconds))
@@ -155,7 +155,7 @@ def scale(config: BenchmarkConfig) -> int:
 
 
 def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure the vector environment with its observations, and a batch of one beside it."""
+    """Measure the vector environment with its observations, and a batch of size 1 for comparison."""
     cores = os.cpu_count() or 1
     rows = [first_step(config)]
     baseline = _steps_per_second(config, config.num_envs, 1)
@@ -177,7 +177,7 @@ def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
 
 
 def first_step(config: BenchmarkConfig) -> Measurement:
-    """Measure how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
+    """Measure the time to the end of the first step: compiling the kernels, or loading them from the cache."""
     from regista.envs.football.batch import step_batch
     from regista.kernels.jit import compiled
 
@@ -209,7 +209,7 @@ def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
     return build.make_matches(program, num_envs, TrainConfig().env, 0, threads)
 
 
-# ---------------------------------------------------------------- what is printed
+# ---------------------------------------------------------------- output
 
 
 def render(suite: str, rows: Sequence[Any]) -> str:

@@ -1,11 +1,13 @@
-"""How well an adversary finds what is rare: θ pays 1 in a band of about 3 % of its mass, 0 elsewhere, under noise.
+"""How well does an adversary find rare levels? θ is rewarded with 1 in a band of about 3% of its mass, 0 elsewhere.
 
-The band lies at the end of a range, at a quarter, in its middle, or there are two of them, which pay 1 and 0.7; or it
-is the option of weight 1 among others of weight 25, listed first, in the middle or last. Five columns that pay nothing
-stand beside. An adversary learns as in a football run of 1.5M steps: 90 times from 80 levels. By
-`python -m lab.benchmarks.adversary_bandit`, which writes `adversary_bandit.csv` beside this file: of
-each adversary, entropy coefficient and band the share of seeds whose last 1,000 proposals lie in it for at least a
-quarter, and the mean of these shares. Read next: `ued.levels.theta_distribution`.
+Rewards are noisy. The band lies at the end of a range, at a quarter or in its middle; or there are two bands, with
+rewards 1 and 0.7. In the option bandits, it is the option of weight 1 among others of weight 25, listed first, in the
+middle or last. Five further columns have no effect on the reward. An adversary learns as in a football run of 1.5M
+steps: 90 updates from 80 levels each.
+
+`python -m lab.benchmarks.adversary_bandit` writes `adversary_bandit.csv` beside this file. It has a row for each
+adversary, entropy coefficient and band. A row has the share of seeds with at least a quarter of the last 1,000
+proposals in the band, and the mean of these shares. Read next: `ued.levels.theta_distribution`.
 """
 
 from __future__ import annotations
@@ -26,29 +28,29 @@ from ued.levels.adversary import Adversary
 
 RESULTS = Path(__file__).with_suffix(".csv")
 UPDATES, LEVELS = 90, 80
-NOISE = 0.3  # standard deviation of what a level pays around its mean
-BESIDE = 5  # columns that pay nothing
+NOISE = 0.3  # standard deviation of a level's reward around its mean
+BESIDE = 5  # columns without effect on the reward
 ENTROPIES, SEEDS = (0.03, 0.1), 20
-FOUND = 0.25  # share of the proposals in the band
-UNIMODAL = {"learning_rate": 1e-2, "update_epochs": 20}  # with which the Gaussian does best
+FOUND = 0.25  # share of proposals in the band from which a seed counts as a success
+UNIMODAL = {"learning_rate": 1e-2, "update_epochs": 20}  # the best settings for the Gaussian
 ADVERSARIES = {"program": {}, "tanh_gaussian": UNIMODAL}
-Pays = Callable[[np.ndarray], np.ndarray]  # θ [n, D] -> [n]
+Pays = Callable[[np.ndarray], np.ndarray]  # θ [n, D] -> rewards [n]
 
 
 class Bandit(NamedTuple):
-    """The columns of θ, and what θ pays."""
+    """The columns of θ, and the reward function of θ."""
 
     draws: Sequence[Parameter]
     pays: Pays
 
 
 def band(low: float, high: float, column: int = 0) -> Pays:
-    """Pay 1 where the column lies between two numbers."""
+    """Reward 1 if the column lies between two numbers."""
     return lambda theta: ((theta[:, column] > low) & (theta[:, column] < high)).astype(float)
 
 
 def options(*weights: float) -> Bandit:
-    """Pay 1 for the option of the least weight."""
+    """Reward 1 for the option with the smallest weight."""
     choice = Choice(*range(len(weights)), weights=weights)
     place = choice.to_unit(int(np.argmin(weights)))
     return Bandit((Column("option", choice), *numbered("beside", BESIDE)), band(place - 1e-6, place + 1e-6))
@@ -66,7 +68,7 @@ def bandits() -> dict[str, Bandit]:
 
 
 def learned(bandit: Bandit, config: AdversaryConfig, seed: int, updates: int = UPDATES) -> tuple[np.ndarray, Adversary]:
-    """Return the share of each update's proposals that pay, `[updates]`, and the adversary as it ended."""
+    """Return the share of rewarded proposals in each update, `[updates]`, and the final adversary."""
     adversary, rng = Adversary(bandit.draws, config, torch_generator(seed)), np.random.default_rng(seed)
     shares = np.empty(updates)
     for update in range(updates):
@@ -78,7 +80,7 @@ def learned(bandit: Bandit, config: AdversaryConfig, seed: int, updates: int = U
 
 
 def main() -> int:
-    """Measure all of it; write the table, and print it row by row."""
+    """Run all measurements, write the table, and print it row by row."""
     torch.set_num_threads(1)
     with RESULTS.open("w", newline="") as file:
         table = csv.writer(file)

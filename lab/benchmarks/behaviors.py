@@ -1,4 +1,4 @@
-"""How fast matches are played whose players run behaviors, the simulation included, and how soon a program is compiled.
+"""Speed of matches whose players run behaviors, including the simulation, and compile time of the programs.
 
 Programs are in `lab/benchmarks/programs`. Read next: `scenic_lite.dynamics.machine.vm`, the machine that is measured.
 """
@@ -21,7 +21,7 @@ ORIGINAL = (500, 1500)  # steps per second of Scenic's own interpreter of behavi
 
 
 def behaviors_suite(seconds: float) -> list[Measurement]:
-    """Measure every program of `CASES` on one core, in its processor time, about `seconds` for each number."""
+    """Measure every program of `CASES` on one core, in processor time, about `seconds` for each number."""
     return [measure(name, seconds) for name in CASES]
 
 
@@ -37,7 +37,7 @@ def measure(name: str, seconds: float) -> Measurement:
 
 
 def compile_ms(env: object, seconds: float) -> float:
-    """Return the milliseconds from a program that is read to its code."""
+    """Return the milliseconds to compile a parsed program."""
     from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from regista.envs.football.vector_env import FootballVectorEnv
     from scenic_lite.dynamics.compiler.compile import compile_program

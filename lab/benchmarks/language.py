@@ -1,4 +1,4 @@
-"""How fast programs are read and scenes are drawn from them, beside the original interpreter of the language.
+"""Speed of reading programs and drawing scenes from them, beside the original Scenic interpreter.
 
 The programs are in `lab/benchmarks/programs`. Read next: `scenic_lite.scene.program`, whose `sample` is measured.
 """
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from scenic_lite import Domain, Program
 
 PROGRAMS = Path(__file__).parent / "programs"
-LARGE, SMALL = 4096, 256  # scenes drawn at once
-DRAWS = 4096  # for the share of valid ones
+LARGE, SMALL = 4096, 256  # scenes drawn in one call
+DRAWS = 4096  # for the share of valid scenes
 
 
 class Original(NamedTuple):
-    """What Scenic 3.1.1 (two-dimensional mode, pruning on) takes for the same text on one core: processor time."""
+    """Processor time of Scenic 3.1.1 (two-dimensional mode, pruning on) for the same text on one core."""
 
     scenes_per_second: float
     load_ms: float
 
 
-# By file in `programs`: whether it is football, the dialect, and the original.
+# By file in `programs`: whether it is a football program, the dialect, and Scenic's numbers.
 CASES = {
     "figure_4_3": (True, 2, Original(1283, 53)),
     "eleven_a_side": (False, 3, Original(202, 95)),
@@ -43,7 +43,7 @@ CASES = {
 
 
 class LanguageMeasurement(NamedTuple):
-    """One program: its size, the share of draws that are scenes, valid scenes per second, text to Program in ms."""
+    """One program: its size, the share of valid draws, valid scenes per second, and the ms from text to Program."""
 
     program: str
     objects: int
@@ -62,7 +62,7 @@ def language_suite(seconds: float) -> list[LanguageMeasurement]:
 
 
 def measure(name: str, seconds: float) -> LanguageMeasurement:
-    """Measure one program on one core, all default checks on; processor time, as for the original."""
+    """Measure one program on one core with all default checks, in processor time as for the original."""
     football, dialect, original = CASES[name]
     path, domain = PROGRAMS / f"{name}.scenic", football_domain() if football else None
     text = path.read_text()

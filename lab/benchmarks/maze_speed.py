@@ -3,10 +3,11 @@
     python -m lab.benchmarks.maze_speed
     python -m lab.benchmarks.maze_speed --students "GRU 64" --methods dr accel
 
-First mazes alone, with random actions drawn beforehand: the kernel, which steps and observes, then the environment,
-which also restarts episodes, on the same or on new random mazes. Then training with rollouts of 256 steps in 32
-environments, compiled and step by step in turns. Each number is the best of several stretches. The share of learning is
-`time/learn` among the times that the run reports; from it follow the steps per second without learning.
+The first part measures mazes alone, with random actions drawn beforehand: the kernel, which steps and observes, then
+the environment. The environment also restarts episodes, on the same maze or on new random mazes. The second part
+measures training with rollouts of 256 steps in 32 environments, compiled and step by step in turns. Each number is the
+best of several stretches. The share of learning is `time/learn` among the times that the run reports; the steps per
+second without learning follow from it.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ STUDENTS: dict[str, dict[str, Any]] = {
 
 
 def best_rate(run: Callable[[], int], stretches: int, seconds: float) -> float:
-    """Return steps per second of processor time: `run()` returns how many steps it made; the best of the stretches."""
+    """Return steps per second of processor time, the best of the stretches; `run()` returns its number of steps."""
     run()
     best = 0.0
     for _ in range(stretches):
@@ -48,7 +49,7 @@ def best_rate(run: Callable[[], int], stretches: int, seconds: float) -> float:
 
 
 def kernel_steps(mazes: Mazes) -> Callable[[], int]:
-    """Return what steps and observes in the kernel alone; agents walk on after an episode ends."""
+    """Return a function that steps and observes in the kernel alone; agents walk on after an episode ends."""
     actions = np.random.default_rng(0).integers(0, 3, (DRAWN, mazes.num_envs))
     seen = mazes.observe()
 
@@ -61,7 +62,7 @@ def kernel_steps(mazes: Mazes) -> Callable[[], int]:
 
 
 def environment_steps(mazes: Mazes, new: bool) -> Callable[[], int]:
-    """Return what steps through Gymnasium's interface; `new`: episodes begin on new random mazes."""
+    """Return a function that steps through Gymnasium's interface; `new`: episodes begin on new random mazes."""
     actions = np.random.default_rng(0).integers(0, 3, (DRAWN, mazes.num_envs))
 
     def run() -> int:
@@ -98,7 +99,7 @@ def training(methods: list[str], students: list[str], stretches: int, updates: i
             ppo = PPOConfig(num_steps=NUM_STEPS, **STUDENTS[student])
             made = {on: METHODS[name].load()(Mazes(NUM_ENVS), ppo, None, seed=0) for on in (True, False)}
             best = dict.fromkeys(made, (0.0, 0.0))
-            for stretch in range(stretches + 1):  # the first warms up
+            for stretch in range(stretches + 1):  # the first stretch warms up
                 for on, method in made.items():
                     measured = measure(method, on, updates)
                     best[on] = max(best[on], measured if stretch else best[on])
@@ -111,7 +112,7 @@ def training(methods: list[str], students: list[str], stretches: int, updates: i
 
 
 def measure(method: Any, compiled: bool, updates: int) -> tuple[float, float]:
-    """Return a method's steps per second of processor time over some updates, and the share of learning."""
+    """Return a method's steps per second of processor time over some updates, and the share spent on learning."""
     worker.COMPILED = compiled
     began, steps, spent, learning = time.process_time(), method.env_steps, 0.0, 0.0
     for _ in range(updates):

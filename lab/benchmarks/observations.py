@@ -1,4 +1,4 @@
-"""How fast matches are played and observed: by number of players, representation and threads, side by side.
+"""Speed of matches with observations, by number of players, representation and threads, side by side.
 
 Read next: `lab.benchmarks.timing`, which prints the rows.
 """
@@ -41,7 +41,7 @@ def _speed(program: Path, representation: str, threads: int, seconds: float) -> 
 
 
 def _frames(program: Path, seconds: float) -> float:
-    """Return stacked planes drawn per second, of matches under way, on one thread."""
+    """Return stacked planes drawn per second on one thread, for matches in progress."""
     env = _make_env(program, "smm_stacked", 1)
     for _ in range(20):
         env.step(np.full(MATCHES, 5))

@@ -1,7 +1,7 @@
-"""What things cost as they grow: environments, players, columns of θ, levels in a buffer, threads, agents.
+"""How do costs grow with environments, players, columns of θ, levels in a buffer, threads and agents?
 
-Everything but threads is reported per second of one processor, which other users of the machine hardly change.
-Read next: `benchmarks.training`, what a step of training is made of.
+Everything but threads is reported per second of one processor, which other users of the machine hardly affect. Read
+next: `benchmarks.training`, what a step of training is made of.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ ENVIRONMENTS = (1, 4, 16, 64, 256, 1024, 4096, 16_384)
 PLAYERS = (2, 4, 6, 10, 14, 18, 22)
 COLUMNS = (1, 3, 10, 30, 100, 300, 1000)  # of θ
 LEVELS = (100, 1_000, 10_000, 100_000, 1_000_000)  # in a buffer
-AT_A_TIME = 64  # levels that a curriculum is asked for, and whose results it gets
-WARM_UPDATES = 2  # of training, before it is measured
+AT_A_TIME = 64  # levels per request to a curriculum, and results per update of it
+WARM_UPDATES = 2  # training updates before the measurement
 
 
 class Point(NamedTuple):
-    """One point of a curve: of which `panel` and which `curve`, at x, so many `per_second`."""
+    """One point of a curve: its `panel`, its `curve`, its x, and the measured `per_second`."""
 
     panel: str
     curve: str
@@ -46,7 +46,7 @@ class Point(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """What a panel of the figure is called, and its axes."""
+    """Title and axis labels of a panel of the figure."""
 
     title: str
     x: str
@@ -64,7 +64,7 @@ PANELS = {
 
 
 def scale_suite(minigame: str, seconds: float) -> Iterator[Point]:
-    """Measure point by point, each for about so many seconds."""
+    """Measure point by point, each for about `seconds`."""
     yield from _environments(minigame, seconds)
     yield from _players(seconds)
     for dim in COLUMNS:
@@ -87,7 +87,7 @@ def _environments(minigame: str, seconds: float) -> Iterator[Point]:
 
 
 def _players(seconds: float) -> Iterator[Point]:
-    """Measure matches of half as many on either side; nobody has a behavior, so the simulator moves them."""
+    """Measure matches with half of the players on either side, all without behaviors: the simulator moves them."""
     from regista.envs.football.scenic.domain import FOOTBALL
     from scenic_lite import load
 
@@ -97,7 +97,7 @@ def _players(seconds: float) -> Iterator[Point]:
 
 
 def _match_of(players: int) -> str:
-    """Return a program: keepers, ego among the left, and everybody else anywhere in the own half."""
+    """Return a program with keepers, ego in the left team, and all others at random places in their own half."""
     never = [f"param end_episode_on_{what} = False" for what in ("score", "out_of_play", "possession_change")]
     left = ["LeftCM at Range(-90, -5) @ Range(-40, 40)"] * (players // 2 - 1) + ["LeftGK at -99 @ 0"]
     right = ["RightCM at Range(5, 90) @ Range(-40, 40)"] * (players // 2 - 1) + ["RightGK at 99 @ 0"]
@@ -141,7 +141,7 @@ def _curricula(dim: int) -> list[tuple[str, Curriculum]]:
 
 
 def _filled(levels: int) -> Curriculum:
-    """Return a curriculum with a full buffer of so many levels."""
+    """Return a curriculum with a full buffer of `levels` levels."""
     from ued.methods.plr import PLRCurriculum
 
     curriculum = PLRCurriculum(ThetaSpace(6), PLRConfig(buffer=BufferConfig(capacity=levels, no_duplicates=False)))
@@ -156,7 +156,7 @@ def _filled(levels: int) -> Curriculum:
 
 
 def _levels_per_second(curriculum: Curriculum, seconds: float) -> float:
-    """Ask for levels and tell what came of them, over and over, with one thread for networks as training has it."""
+    """Request levels and report their results repeatedly, with one thread for networks as in training."""
     import torch
 
     torch.set_num_threads(1)
@@ -175,7 +175,7 @@ def _levels_per_second(curriculum: Curriculum, seconds: float) -> float:
 
 
 def _play(records: np.ndarray, rng: np.random.Generator) -> None:
-    """Write results into records as a student would that solves half of the levels."""
+    """Write results into records like a student that solves half of the levels."""
     for name in RESULTS:
         records[name] = rng.random(records[name].shape)
     records["returns"] = rng.random(records["returns"].shape) < 0.5
@@ -210,7 +210,7 @@ def _agent_steps_per_second(method: Any, seconds: float) -> float:
 
 
 def draw(points: Sequence[Point], folder: Path) -> Path:
-    """Draw the curves on one page, scale.png. Raises `CommandError` if the disk refuses."""
+    """Draw the curves on one page, scale.png. Raises `CommandError` if writing fails."""
     import matplotlib.pyplot as plt
 
     from regista.experiments.pictures import plots
@@ -225,9 +225,9 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             mine = [point for point in points if point.panel == name]
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
-                shade = plots.METHOD_COLORS.get(curve)  # no method: the next color of the style
+                shade = plots.METHOD_COLORS.get(curve)  # not a method: the next color of the style
                 look: dict[str, Any] = {"color": shade, "label": plots.title(curve)}
-                if name == "threads":  # two points are no curve
+                if name == "threads":  # two points are not a curve
                     axes.bar(x, y, 0.5, **look)
                 else:
                     axes.plot(x, y, "o-", markersize=4, **look)
@@ -242,7 +242,7 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
 
 
 def _scale_axes(axes: Any, name: str) -> None:
-    """Choose the scales of a panel's axes, and write their numbers as 500k, 2M in all panels."""
+    """Choose the scales of a panel's axes, and write their numbers as 500k or 2M in all panels."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     if name in ("environments", "columns", "buffer"):
@@ -260,7 +260,7 @@ def _scale_axes(axes: Any, name: str) -> None:
 
 
 def rows_of(points: Sequence[Point]) -> list[list[str]]:
-    """Return the points as a table, with what each costs."""
+    """Return the points as a table, with the cost of each."""
     rows = [["", "curve", "", "per second", "µs each"]]
     tell = partial("{:,.0f}".format)
     for point in points:

@@ -1,4 +1,4 @@
-"""How fast something is: measurements, random steps, the machine. Read next: `lab.benchmarks.__main__`."""
+"""Timing tools: measurements, random steps, the machine. Read next: `lab.benchmarks.__main__`."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.provenance import hardware, versions
 
-STRETCHES = 3  # of each measurement; the best counts, since other programs may use the machine meanwhile
-WARM_UPDATES = 10  # of a method before it is measured
+STRETCHES = 3  # per measurement; the best counts, since other programs may use the machine meanwhile
+WARM_UPDATES = 10  # updates of a method before the measurement
 
 
 class Measurement(NamedTuple):
@@ -33,7 +33,7 @@ def training_row(label: str, game: str, method: str, threads: int, seconds: floa
 
 
 def make_method(config: TrainConfig) -> Any:
-    """Make a method that has begun: replay is under way, and the buffer is in use."""
+    """Make a method past its start: replay has begun, and the buffer is in use."""
     task = build.find_game(config.minigame).task(config)
     method = build.make_method(config, build.make_upomdp(task.make, config.num_envs, 0))
     for _ in range(WARM_UPDATES):
@@ -44,7 +44,7 @@ def make_method(config: TrainConfig) -> Any:
 def measure_training(label: str, method: Any, seconds: float) -> Measurement:
     """Measure a method's steps per second of wall-clock time; the note gives the shares of that time.
 
-    `levels` is choosing levels and bookkeeping, `teaching` scoring them and updating the teacher.
+    `levels` means choosing levels and bookkeeping, `teaching` means scoring them and updating the teacher.
     """
     words = {
         "sim": "simulation",
@@ -65,7 +65,10 @@ def measure_training(label: str, method: Any, seconds: float) -> Measurement:
 
 
 def random_steps(env: Any) -> Callable[[int], None]:
-    """Return what steps an environment so many times with random actions, drawn beforehand; it has stepped 8 times."""
+    """Return a function that steps an environment a given number of times, with random actions drawn beforehand.
+
+    The environment has already made 8 steps.
+    """
     actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, env.num_envs))
 
     def step(count: int) -> None:
@@ -79,7 +82,7 @@ def random_steps(env: Any) -> Callable[[int], None]:
 def rate(
     run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
 ) -> float:
-    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
+    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` in total."""
     began = clock()
     run(warm_up)
     count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))
@@ -92,7 +95,7 @@ def rate(
 
 
 def machine() -> dict[str, Any]:
-    """Return the hardware and the versions that were measured."""
+    """Return the hardware and the versions used."""
     return {**hardware(), "python": platform.python_version(), **versions(("numpy", "numba", "torch"))}
 
 

@@ -1,4 +1,4 @@
-"""How fast students learn: every method, and teams of several sizes, each with its default settings.
+"""Training speed of every method, and of teams of several sizes, each with default settings.
 
 Read next: `lab.benchmarks.timing`.
 """
@@ -17,10 +17,10 @@ TEAMS = ("closest1", "2", "4", "all")
 
 
 def training_suite(minigame: str, seconds: float) -> list[Measurement]:
-    """Measure every method on one thread, domain randomization on all cores, too, and teams.
+    """Measure every method on one thread, domain randomization on all cores too, and teams.
 
-    What a curriculum costs beside simulation and networks is `levels`, choosing them and keeping book, and `teaching`:
-    scoring them and letting the teacher learn. Speeds are of the clock on the wall, shares of all time that was taken.
+    The costs of a curriculum beyond simulation and networks are `levels` (choosing levels and bookkeeping) and
+    `teaching` (scoring levels and updating the teacher). Speeds are in wall-clock time; shares are of the total time.
     """
     runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
     rows = [
@@ -31,7 +31,7 @@ def training_suite(minigame: str, seconds: float) -> list[Measurement]:
 
 
 def team_rows(seconds: float) -> list[Measurement]:
-    """Measure one agent and teams in the same game, with a policy for each agent."""
+    """Measure one agent and teams in the same game, with a separate policy for each agent."""
     rows: list[Measurement] = []
     for control in TEAMS:
         config = replace(TrainConfig(), minigame=ELEVEN, method="dr")

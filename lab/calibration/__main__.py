@@ -4,11 +4,11 @@
     python -m lab.calibration fit saves                           fits the stored measurements
     python -m lab.calibration fit                                 fits all tables
 
-`fit` prints for each number the shipped value, what the measurements of GRF give, and what the same fit gives for our
-simulator, which plays the same scenes. What is measured is the ball and the bodies a step later, not the law's own
-variables; that biases the fit in both engines alike. So compare GRF with ours: a number agrees where these two agree,
-and `shipped + GRF - ours` is the value that they suggest. Read next: `tables.py`; `profile.py`, for numbers that act
-through play alone.
+For each number, `fit` prints the shipped value, the fit to the measurements of GRF, and the same fit to our simulator
+in the same scenes. The measurements are the ball and the bodies one step later, not the law's own variables; this
+biases the fit in both engines alike. So compare GRF with our simulator: a number agrees if the two fits agree, and
+`shipped + GRF - ours` is the suggested value. Read next: `tables.py`; `profile.py`, for numbers that act through play
+alone.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from lab.calibration.tables import MEASURES, TABLES, Table
 from regista.experiments.run.results import align
 
 DATA = Path(__file__).parent / "data"
-ROUND = 160  # episodes after which what is known is written
-OURS_MORE = 4  # times as many episodes of our simulator
+ROUND = 160  # episodes between two writes of the file
+OURS_MORE = 4  # factor on the number of episodes for our simulator
 
 
 def measure(name: str, engine: str, count: int, seed: int, path: Path | None) -> list[dict]:
-    """Play a measurement's scenes, and write a file of its rows if one is given."""
+    """Play a measurement's scenes, and write its rows to `path` if it is given."""
     rows: list[dict] = []
     for done in range(0, count, ROUND):
         rows += MEASURES[name].measure(min(ROUND, count - done), engine, seed + done)
@@ -43,7 +43,7 @@ def measure(name: str, engine: str, count: int, seed: int, path: Path | None) ->
 
 
 def report(table: Table, grf: Sequence[dict], ours: Sequence[dict]) -> str:
-    """Fit a table to the rows of both engines; return its numbers and a summary of what was measured."""
+    """Fit a table to the rows of both engines; return its numbers and a summary of the measurements."""
     fits, counts, lines = {}, {}, []
     for engine, rows in (("GRF", grf), ("ours", ours)):
         seen = table.prepare(rows)
@@ -70,7 +70,7 @@ def read(name: str) -> list[dict]:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the script and give its exit code."""
+    """Run the script and return its exit code."""
     parser = argparse.ArgumentParser(prog="python -m lab.calibration", description=__doc__.partition("\n")[0])
     parser.add_argument("what", choices=("measure", "fit"))
     parser.add_argument(

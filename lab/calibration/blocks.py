@@ -1,10 +1,10 @@
-"""Shots past a lone back, drawn and measured, and the fit of `BLOCK` (`skills/blocks.py`) to them.
+"""Measure shots past a lone back in drawn scenes, and fit `BLOCK` (`skills/blocks.py`) to them.
 
-A striker 15 to 30 m before the goal shoots with a back 0.8 to 5 m in front. Where a shot would go if no player were in
-its way is taken from the shots that no player meets: a line through their directions over the direction of the goal. A
-row says how far it would then pass from the back, how old it would be, and whether it was stopped. The fit is by
-maximum likelihood. `leg_until` and `leg_gone`, where the law has corners, are held. How a stopped shot bounces back is
-not fitted. Read next: `__main__.py`.
+A striker 15 to 30 m before the goal shoots with a back 0.8 to 5 m in front. The undisturbed direction of a shot is
+estimated from the shots that no player meets: a line through their directions over the direction of the goal. A row
+contains the distance at which the shot would pass the back, the time since the kick, and whether it was stopped. The
+fit is by maximum likelihood. `leg_until` and `leg_gone`, the corners of the law, are held fixed. The rebound of a
+stopped shot is not fitted. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ Ball at x @ y, with allowCollisions True
 STEPS, LONGEST_RUN = 22, 7
 STRIKER, BACK = 1, 3
 LAW, NAMES = BLOCK, ("body", "body_edge", "leg", "leg_most", "body_most")
-HALF_STEP = 0.05  # s since the kick, in the mean, where it is unknown
-YOUNGEST = 0.02  # s: a back who is at the ball already has mostly just tried for it, and cannot again
-FARTHEST = 2.0  # m from the back, shots that pass further off tell nothing
+HALF_STEP = 0.05  # s since the kick on average, if the exact time is unknown
+YOUNGEST = 0.02  # s: a back already at the ball has mostly just tried for it, and cannot try again
+FARTHEST = 2.0  # m from the back; shots that pass farther away carry no information
 
 
 def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every shot that comes near the back in time."""
+    """Play `count` episodes; return a row for every shot that comes near the back in time."""
     rng = np.random.default_rng([seed, 2])
     keys = np.full((count, STEPS), IDLE)
     keys[:, 0] = DIRECTION_RIGHT
@@ -51,7 +51,10 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def kick(recording: Recording, episode: int) -> tuple[int, bool] | None:
-    """Return before which step the ball is first seen off the foot, and whether it is stopped within two; or None."""
+    """Return the step before which the ball first leaves the foot, and whether it is stopped within two steps.
+
+    None if the ball is not kicked, or the back has it first.
+    """
     ball, length = recording.ball[episode], int(recording.lengths[episode])
     pressed = int(np.argmax(recording.keys[episode] == SHOT))
     speed = np.hypot(ball[:, 3], ball[:, 4])
@@ -68,7 +71,10 @@ def kick(recording: Recording, episode: int) -> tuple[int, bool] | None:
 
 
 def directions(recording: Recording, found: Sequence[tuple[int, int, bool]]) -> tuple[np.ndarray, float]:
-    """Return the line `[2]` of shots' directions over the goal's, in rad, and their mean speed, of those that pass."""
+    """Return the line `[2]` of the shots' directions over the goal's, in rad, and their mean speed.
+
+    Only shots that pass the back are used.
+    """
     passed = [(episode, step) for episode, step, stopped in found if not stopped]
     ball = np.array([recording.ball[episode, step] for episode, step in passed])
     line = np.polyfit(to_goal(ball), np.arctan2(ball[:, 4], ball[:, 3]), 1)
@@ -83,7 +89,7 @@ def to_goal(ball: np.ndarray) -> np.ndarray:
 def row(
     recording: Recording, episode: int, step: int, stopped: bool, line: np.ndarray, speed: float
 ) -> dict[str, float]:
-    """Return how far from the back a shot would pass, how many s after the kick, and whether it is stopped."""
+    """Return the distance in m at which a shot would pass the back, the s since the kick, and whether it is stopped."""
     ball, back = recording.ball[episode, step - 1], recording.players[episode, step - 1, BACK]
     angle = float(np.polyval(line, to_goal(ball)))
     velocity = speed * np.array([np.cos(angle), np.sin(angle)]) - back[2:]
@@ -94,7 +100,7 @@ def row(
 
 
 def chances(law: Block, distance: np.ndarray, age: np.ndarray) -> np.ndarray:
-    """Return the chance `[R]` that shots are stopped, as `blocks.block` has it."""
+    """Return the probability `[R]` that a shot is stopped, as in `blocks.block`."""
     leg = np.clip((law.leg_gone - age) / max(law.leg_gone - law.leg_until, 1e-3), 0.0, 1.0)
     edge, sure = law.body_edge + law.leg * leg, law.body + law.leg * leg * leg
     most = np.where(leg == 1.0, law.leg_most, law.body_most)
@@ -102,7 +108,7 @@ def chances(law: Block, distance: np.ndarray, age: np.ndarray) -> np.ndarray:
 
 
 def prepare(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return distance, age, and whether it was stopped, of shots `[R, 3]`."""
+    """Return distance, age, and whether the shot was stopped, of shots `[R, 3]`."""
     return np.column_stack(columns(rows, "distance", "age", "stopped"))
 
 
@@ -113,7 +119,7 @@ def losses(shots: np.ndarray, law: Block) -> np.ndarray:
 
 
 def summary(shots: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the share that is stopped, and what the shipped law says, by m from the back and s since the kick."""
+    """Return the share of stopped shots and the shipped law's prediction, by m from the back and s since the kick."""
     told = {}
     for near, far in ((0.0, 0.3), (0.3, 0.6), (0.6, 1.0), (1.0, 1.5)):
         for young, old in ((0.02, 0.05), (0.05, 0.2)):

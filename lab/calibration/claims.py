@@ -1,7 +1,8 @@
-"""A carrier runs at a lone keeper, drawn and measured, and the fit of `CLAIM` and `FEET` (`skills/contacts.py`) to it.
+"""Measure a carrier running at a lone keeper in drawn scenes, and fit `CLAIM` and `FEET` (`skills/contacts.py`) to it.
 
-A row is the first time that the keeper is near the ball of a running carrier: speed of the run, across whose reach, in
-the keeper's box or not, and whether the keeper soon has the ball or knocks it off. Read next: `__main__.py`.
+A row is the first time that the keeper is near the ball of a running carrier. It contains the carrier's speed, the
+speed across the keeper's reach, and whether the keeper is in the box. `lost` means that the keeper soon gets the ball
+or knocks it off. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ COLUMNS = ("speed", "swerve", "in_box", "lost")
 
 
 def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every meeting of a running carrier and the keeper."""
+    """Play `count` episodes; return a row for every meeting of a running carrier and the keeper."""
     rng = np.random.default_rng([seed, 6])
     keys = np.full((count, STEPS), IDLE)
     keys[:, 0] = DIRECTION_RIGHT
@@ -43,7 +44,7 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def meeting(recording: Recording, episode: int) -> dict[str, Any] | None:
-    """Return the meeting of an episode, None where there is none that a running carrier begins."""
+    """Return the meeting of an episode; None if no running carrier meets the keeper."""
     step = first_meeting(recording, episode, KEEPER)
     if step is None:
         return None
@@ -57,7 +58,7 @@ def meeting(recording: Recording, episode: int) -> dict[str, Any] | None:
 
 
 def first_meeting(recording: Recording, episode: int, other: int) -> int | None:
-    """Return the first step in which an opponent is near the ball of a carrier who runs, None if there is none."""
+    """Return the first step in which an opponent is near the ball of a running carrier; None if there is none."""
     length = int(recording.lengths[episode])
     away = recording.ball[episode, :length, :2] - recording.players[episode, :length, other, :2]
     step = int(np.argmax(np.linalg.norm(away, axis=1) < NEAR))
@@ -66,7 +67,7 @@ def first_meeting(recording: Recording, episode: int, other: int) -> int | None:
 
 
 def is_lost(recording: Recording, episode: int, step: int, other: int) -> bool:
-    """Return whether that opponent soon has the ball or knocks it off, or the carrier has it no more."""
+    """Return whether the opponent soon has the ball or knocks it off, or the carrier loses it."""
     owner, length = recording.owner[episode], int(recording.lengths[episode])
     later = slice(step - 1, step + SOON)
     knocked = np.linalg.norm(np.diff(recording.ball[episode, later, 3:5], axis=0), axis=1) > KNOCKED
@@ -75,41 +76,41 @@ def is_lost(recording: Recording, episode: int, step: int, other: int) -> bool:
 
 
 def prepare_box(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return speed, swerve, and whether it was lost, of meetings in the box `[R, 3]`."""
+    """Return speed, swerve, and whether the ball was lost, of meetings in the box `[R, 3]`."""
     table = np.column_stack(columns(rows, *COLUMNS))
     return table[table[:, 2] > 0][:, (0, 1, 3)]
 
 
 def prepare_outside(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return the same of meetings outside the box `[R, 3]`."""
+    """Return speed, swerve, and whether the ball was lost, of meetings outside the box `[R, 3]`."""
     table = np.column_stack(columns(rows, *COLUMNS))
     return table[table[:, 2] == 0][:, (0, 1, 3)]
 
 
 def claim_chances(law: Claim, seen: np.ndarray) -> np.ndarray:
-    """Return the chance `[R]` that a keeper with hands, as skilled as the measured one, has the ball."""
+    """Return the probability `[R]` that a keeper with hands gets the ball, at the skill of the measured keeper."""
     chance = np.minimum(law.sure - law.hurried * seen[:, 0], law.most) * (0.5 + 0.5 * SAVE.measured_skill)
     return np.clip(chance * np.maximum(1.0 - seen[:, 1] / law.swerve, 0.0), 0.0, 1.0)
 
 
 def feet_chances(law: Feet, seen: np.ndarray) -> np.ndarray:
-    """Return the chance `[R]` that a keeper without hands has the ball, as `contacts.claim` has it."""
+    """Return the probability `[R]` that a keeper without hands gets the ball, as in `contacts.claim`."""
     share = np.maximum(1.0 - seen[:, 1] / law.swerve, 0.0)
     return np.clip(law.chance * share * (2.0 - share), 0.0, 1.0)
 
 
 def claim_losses(seen: np.ndarray, law: Claim) -> np.ndarray:
-    """Return the losses `[R]` of a law; one meeting in fifty is taken for another."""
+    """Return the losses `[R]` of a law, which assume that 2% of the meetings are mislabeled."""
     return bernoulli(0.02 + 0.96 * claim_chances(law, seen), seen[:, 2] > 0)
 
 
 def feet_losses(seen: np.ndarray, law: Feet) -> np.ndarray:
-    """Return the losses `[R]` of a law; one meeting in fifty is taken for another."""
+    """Return the losses `[R]` of a law, which assume that 2% of the meetings are mislabeled."""
     return bernoulli(0.02 + 0.96 * feet_chances(law, seen), seen[:, 2] > 0)
 
 
 def claim_summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the share that is lost, and what the shipped law says, by the carrier's speed."""
+    """Return the share of lost balls and the shipped law's prediction, by the carrier's speed."""
     told = {}
     for slow, fast in ((1.5, 4.0), (4.0, 5.5), (5.5, 6.5), (6.5, 9.0)):
         there = (seen[:, 0] >= slow) & (seen[:, 0] < fast)
@@ -120,5 +121,5 @@ def claim_summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
 
 
 def feet_summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the share that is lost, and what the shipped law says."""
+    """Return the share of lost balls and the shipped law's prediction."""
     return {"lost outside the box": (float(seen[:, 2].mean()), float(feet_chances(FEET, seen).mean()))}

@@ -1,8 +1,8 @@
-"""Passes of a runner, drawn and measured, and the fit of how they curl (`skills/passes.py`, `FLIGHT.curl`) to them.
+"""Measure passes of a runner in drawn scenes, and fit their curl (`skills/passes.py`, `FLIGHT.curl`).
 
-A player runs with the ball and passes to the only teammate, wherever that is, so that kicks go off at all angles to the
-body. A row is a pass as it is first seen off the foot: how far the body was turned from its course, and the curl with
-which it turns in the next step. Read next: `saves.py`, whose `turning` finds the curl.
+A player runs with the ball and passes to the only teammate, at any place, so that kicks leave at all angles to the
+body. A row is a pass when it is first seen off the foot. It contains the angle between the body and the ball's course,
+and the curl of the ball in the next step. Read next: `saves.py`, whose `turning` finds the curl.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ RightGK at 99 @ 0
 Ball at (ego.position.x + 1.2) @ 0, with allowCollisions True
 """
 PLAYER, STEPS, LONGEST_RUN = 1, 24, 10
-KICKED, RUNS = 7.0, 2.0  # m/s by which the ball is faster than its player then, and m/s of a player who faces the run
-SPREAD, MOST = 6.0, 200.0  # rad/s; more is of a ball that something has met
+KICKED, RUNS = 7.0, 2.0  # m/s between ball and player at a kick; minimum m/s of a runner, who faces the run
+SPREAD, MOST = 6.0, 200.0  # rad/s; larger curls mean that the ball has hit something
 
 
 def passes_kicked(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every pass of a runner."""
+    """Play `count` episodes; return a row for every pass of a runner."""
     rng = np.random.default_rng([seed, 5])
     keys = np.full((count, STEPS), IDLE)
     keys[:, 0] = rng.integers(1, 9, count)
@@ -60,7 +60,7 @@ def passes_kicked(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def kicked(recording: Recording, episode: int) -> int | None:
-    """Return before which step a pass is first seen off a runner's foot and flies on freely, None if there is none."""
+    """Return the step before which a pass leaves a runner's foot and flies freely; None if there is none."""
     pressed = int(np.argmax(recording.keys[episode] >= LONG_PASS))
     ball, player = recording.ball[episode, :, 3:5], recording.players[episode, :, PLAYER, 2:]
     for step in range(pressed + 1, int(recording.lengths[episode]) - 1):
@@ -76,7 +76,7 @@ def prepare(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
 
 
 def curl_law(law: Flight, seen: np.ndarray) -> np.ndarray:
-    """Return the curl `[R]` in rad/s, as `play_pass` has it."""
+    """Return the curl `[R]` in rad/s, as in `play_pass`."""
     turn, speed, _, high = seen.T
     folded = np.where(np.abs(turn) > 0.5 * np.pi, np.copysign(np.pi - np.abs(turn), turn), turn)
     lean = CURL.bend / np.pi * (CURL.slow + CURL.fast * np.minimum(speed / CURL.fastest, 1.0))
@@ -85,12 +85,12 @@ def curl_law(law: Flight, seen: np.ndarray) -> np.ndarray:
 
 
 def losses(seen: np.ndarray, law: Flight) -> np.ndarray:
-    """Return the losses `[R]` of a law, which outliers do not rule."""
+    """Return the losses `[R]` of a law, robust to outliers."""
     return np.log1p(((curl_law(law, seen) - seen[:, 2]) / SPREAD) ** 2)
 
 
 def summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the mean curl against the body's turn, in rad/s per rad, measured and of the shipped law."""
+    """Return the mean curl per turn of the body, in rad/s per rad, measured and from the shipped law."""
     ground = seen[(seen[:, 3] == 0.0) & (np.abs(seen[:, 0]) < 0.5 * np.pi)]
     slopes = [float(np.polyfit(ground[:, 0], curl, 1)[0]) for curl in (ground[:, 2], curl_law(FLIGHT, ground))]
     return {"curl of ground passes, rad/s per rad of turn": (slopes[0], slopes[1])}

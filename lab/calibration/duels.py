@@ -1,8 +1,8 @@
-"""A carrier runs at a lone built-in back, drawn and measured, and the fit of the back's odds (`skills/tackles.py`).
+"""Measure a carrier running at a lone built-in back, and fit the back's odds (`skills/tackles.py`).
 
-A row is the first time that the back is near the ball of a running carrier: speed of the run, distance of the ball from
-the body, and whether the ball is lost half a second later. How skilled the back is does not vary. Read next:
-`claims.py`, which finds meetings.
+A row is the first time that the back is near the ball of a running carrier. It contains the carrier's speed, the
+distance of the ball from the carrier's body, and whether the ball is lost half a second later. The back's skill does
+not vary. Read next: `claims.py`, which finds meetings.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SLOW, FAST = (1.5, 3.5, 5.0, 6.5), (3.5, 5.0, 6.5, 9.0)  # m/s
 
 
 def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every meeting of a running carrier and the back."""
+    """Play `count` episodes; return a row for every meeting of a running carrier and the back."""
     rng = np.random.default_rng([seed, 8])
     keys = np.full((count, STEPS), IDLE)
     keys[:, 0] = DIRECTION_RIGHT
@@ -51,24 +51,24 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def prepare(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return speed, m from carrier to ball, and whether it was lost, of meetings `[R, 3]`."""
+    """Return speed, m from carrier to ball, and whether the ball was lost, of meetings `[R, 3]`."""
     return np.column_stack(columns(rows, *COLUMNS))
 
 
 def chances(law: Tackle, seen: np.ndarray) -> np.ndarray:
-    """Return the chance `[R]` of a back as skilled as the measured one, as `tackles.chance_of_built_in` has it."""
+    """Return the probability `[R]` that the back wins, at the measured skill, as in `tackles.chance_of_built_in`."""
     chance = law.built_in - law.built_in_hurried * seen[:, 0] + law.built_in_far * seen[:, 1]
     skilled = law.built_in_least + law.built_in_skill * SAVE.measured_skill
     return np.clip(np.minimum(chance, law.built_in_most) * skilled, 0.0, 1.0)
 
 
 def losses(seen: np.ndarray, law: Tackle) -> np.ndarray:
-    """Return the losses `[R]` of a law; one meeting in fifty is taken for another."""
+    """Return the losses `[R]` of a law, which assume that 2% of the meetings are mislabeled."""
     return bernoulli(0.02 + 0.96 * chances(law, seen), seen[:, 2] > 0)
 
 
 def summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the share that is lost, and what the shipped law says, by the carrier's speed."""
+    """Return the share of lost balls and the shipped law's prediction, by the carrier's speed."""
     told = {}
     for slow, fast in zip(SLOW, FAST, strict=True):
         there = (seen[:, 0] >= slow) & (seen[:, 0] < fast)

@@ -1,4 +1,4 @@
-"""Which numbers of the simulator belong to a fitted table, and which family of GRF's measurements tells them apart.
+"""Groups of simulator numbers that belong to one fitted table, and the family of GRF measurements that identifies them.
 
     python -m lab.calibration.groups            lists all groups and their numbers
 
@@ -16,7 +16,7 @@ from lab.football_mutants import FOOTBALL
 
 LAGS = ("LAG_FROM_REST", "LAG_SLOW", "LAG_WALKING", "LAG_RUNNING", "LAG_SPRINTING")
 DRIBBLE = ("GAITS", "TOUCH", "AT_FOOT", "TURN_BACK", "ARC", "BRAKES")
-# group: the family, and the laws all of whose numbers are meant, or single numbers
+# group: the family, and laws with all of their numbers, or single numbers
 GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "running": ("motion:start_rows,curve_rows", ("physics.running.BRAKING", "physics.running.START")),
     "lags": ("motion:start_rows,curve_rows", tuple(f"physics.running.{name}" for name in LAGS)),
@@ -40,14 +40,14 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def group(name: str) -> list[str]:
-    """Return the names of a group's numbers. Raises ValueError for a group that does not exist."""
+    """Return the names of a group's numbers. Raises ValueError for an unknown group."""
     if name not in GROUPS:
         raise ValueError(f"a group is one of {', '.join(GROUPS)}, not {name!r}")
     return [number for law in GROUPS[name][1] for number in numbers(law)]
 
 
 def numbers(law: str) -> list[str]:
-    """Return the names of all numbers but 0 of a law, of a bare tuple, or of a single field."""
+    """Return the names of all nonzero numbers of a law, of a bare tuple, or of a single field."""
     words = law.split(".")
     field = words.pop() if words[-1].islower() else ""
     module, name = ".".join(words[:-1]), words[-1]
@@ -59,13 +59,13 @@ def numbers(law: str) -> list[str]:
     for node in ast.walk(tree):
         for line in node.body if isinstance(node, ast.ClassDef) and node.name == made else ():
             if isinstance(line, ast.AnnAssign) and line.value is not None:
-                with suppress(ValueError):  # of what is computed from other numbers
+                with suppress(ValueError):  # skips numbers that are computed from others
                     found += spelled(f"{law}.{getattr(line.target, 'id', '')}", evaluated(line.value))
     return found
 
 
 def spelled(name: str, value: float | tuple[float, ...]) -> list[str]:
-    """Return the names of the numbers of a value, but for zeros, which no factor changes."""
+    """Return the names of the nonzero numbers of a value; no factor changes a zero."""
     if isinstance(value, tuple):
         return [f"{name}[{k}]" for k, each in enumerate(value) if each != 0.0]
     return [name] if value != 0.0 else []

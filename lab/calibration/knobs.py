@@ -1,11 +1,13 @@
-"""Turn numbers of a law into knobs: compiled once, then changed between two plays without compiling again.
+"""Turn numbers of a law into knobs, which change between two plays without compiling again.
 
-Numba freezes the fields of a named tuple when it compiles. The import hook of `lab/football_mutants.py` gives the
-simulator's modules with `LAW.field` replaced by a load from an array of this module, so that a profile over a dozen
-values costs one compilation. A knob is named `path.LAW.field`, such as `skills.saves.SAVE.body`, or `path.NAME`, such
-as `physics.running.LAG_RUNNING`; of a tuple, `[k]` chooses one. Install them before football is imported, with
-`NUMBA_CACHE_DIR` set to a fresh folder: what is compiled here must not be taken for the simulator. Numbers that are
-computed from others when a module is imported stay as they were. Read next: `profile.py`.
+Numba freezes the fields of a named tuple when it compiles. The import hook of `lab/football_mutants.py` replaces each
+`LAW.field` in the simulator's modules by a load from an array of this module. A profile over a dozen values then costs
+one compilation.
+
+A knob is named `path.LAW.field`, such as `skills.saves.SAVE.body`, or `path.NAME`, such as
+`physics.running.LAG_RUNNING`; for a tuple, `[k]` selects one number. Install knobs before football is imported, with
+`NUMBA_CACHE_DIR` set to a fresh folder, so that kernels with knobs are never reused as the simulator's. Numbers
+computed from others at import keep their values. Read next: `profile.py`.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from numba.extending import intrinsic
 from lab.football_mutants import FOOTBALL, PACKAGE, Changed
 
 MOST = 512
-VALUES = np.zeros(MOST)  # what kernels load; its address is part of compiled code
+VALUES = np.zeros(MOST)  # loaded by kernels; its address is part of compiled code
 
 
 @intrinsic
@@ -41,8 +43,9 @@ def knob(_: Any, address: Any) -> Any:
 
 
 class Knob(NamedTuple):
-    """A number of a law: its module below football, the name there, its field ("" for a bare name), and which of a
-    tuple, -1 for all that is not a tuple.
+    """A number of a law: its module below football, its name, its field ("" for a bare name), and its index in a tuple.
+
+    The index is -1 for a number outside of a tuple.
     """
 
     module: str
@@ -56,7 +59,7 @@ class Knob(NamedTuple):
 
 
 def parse(text: str) -> Knob:
-    """Return the knob of a name. Raises ValueError for one that is none."""
+    """Return the knob of a name. Raises ValueError for an invalid name."""
     match = re.fullmatch(r"([a-z_.]+)\.([A-Z_]+)(?:\.(\w+))?(?:\[(\d+)\])?", text)
     if match is None:
         raise ValueError(
@@ -67,7 +70,7 @@ def parse(text: str) -> Knob:
 
 
 def install(knobs: Sequence[Knob]) -> None:
-    """Make these numbers knobs of everything that is imported from now on.
+    """Make these numbers knobs in all modules imported afterwards.
 
     Raises RuntimeError if football has been imported already.
     """
@@ -78,14 +81,14 @@ def install(knobs: Sequence[Knob]) -> None:
 
 
 class Turned:
-    """Replaces the numbers in the trees of modules, and remembers where each knob's value lies."""
+    """Replaces the numbers in the trees of modules, and remembers the place of each knob's value."""
 
     def __init__(self, knobs: Sequence[Knob]) -> None:
         self.wanted = {(each.module, each.name, each.field) for each in knobs}
         SLOTS.clear()
 
     def __call__(self, path: Path, tree: ast.Module) -> ast.Module:
-        """Return a module's tree with loads for numbers."""
+        """Return a module's tree with loads in place of numbers."""
         known = self.names(path, tree)
         if not known:
             return tree
@@ -98,7 +101,7 @@ class Turned:
         return tree
 
     def names(self, path: Path, tree: ast.Module) -> dict[str, tuple[str, str, set[str]]]:
-        """Return by name in this module: where it comes from, what it is called there, and its fields that turn."""
+        """Return, by name in this module: the defining module, the name in it, and the fields that are knobs."""
         here = ".".join(path.relative_to(FOOTBALL).with_suffix("").parts)
         known = {name: (here, name) for module, name, _ in self.wanted if module == here}
         for node in tree.body:
@@ -113,7 +116,7 @@ class Turned:
 
 
 class Loads(ast.NodeTransformer):
-    """Replaces `LAW.field` and bare names in a function by loads."""
+    """Replaces `LAW.field` and bare names by loads in a function."""
 
     def __init__(self, known: dict[str, tuple[str, str, set[str]]]) -> None:
         self.known = known
@@ -127,18 +130,18 @@ class Loads(ast.NodeTransformer):
         return node
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
-        """Replace a bare number, or a tuple of them."""
+        """Replace a bare number, or a tuple of numbers."""
         if "" in self.known.get(node.id, ("", "", ()))[2]:
             module, name, _ = self.known[node.id]
             return loads(module, name, "")
         return node
 
 
-SLOTS: dict[tuple[str, str, str], tuple[int, int]] = {}  # first slot and how many; 0: a number by itself
+SLOTS: dict[tuple[str, str, str], tuple[int, int]] = {}  # first slot and count; 0: a single number, not a tuple
 
 
 def loads(module: str, name: str, field: str) -> ast.expr:
-    """Return an expression that loads a number, or all of a tuple."""
+    """Return an expression that loads a number, or a whole tuple."""
     first, count = slots(module, name, field)
     addresses = [VALUES.ctypes.data + 8 * (first + k) for k in range(max(count, 1))]
     calls = [f"_knob({address})" for address in addresses]
@@ -146,7 +149,7 @@ def loads(module: str, name: str, field: str) -> ast.expr:
 
 
 def slots(module: str, name: str, field: str) -> tuple[int, int]:
-    """Return where a number lies in `VALUES`, and give it room, with what the source says, where it has none."""
+    """Return the slots of a number in `VALUES`; a new number gets slots with its value in the source."""
     if (module, name, field) not in SLOTS:
         first = sum(max(count, 1) for _, count in SLOTS.values())
         SLOTS[module, name, field] = first, 0
@@ -157,7 +160,7 @@ def slots(module: str, name: str, field: str) -> tuple[int, int]:
 
 
 def in_source(module: str, name: str, field: str) -> Any:
-    """Return the shipped value of a number. Raises ValueError where there is none of this name."""
+    """Return the shipped value of a number. Raises ValueError if no number has this name."""
     path = FOOTBALL / Path(*module.split(".")).with_suffix(".py")
     tree = ast.parse(path.read_text())
     made = name if not field else law_class(tree, name)
@@ -172,7 +175,7 @@ def in_source(module: str, name: str, field: str) -> Any:
 
 
 def law_class(tree: ast.Module, name: str) -> str:
-    """Return the class of which a module makes a law, "" if it makes none of this name."""
+    """Return the class from which a module creates a law, "" if the module has no law of this name."""
     for node in tree.body:
         if not isinstance(node, ast.Assign):
             continue
@@ -201,17 +204,17 @@ def evaluated(node: ast.AST) -> Any:
 
 
 def read(which: Knob) -> float:
-    """Return the present value of a knob that has been installed."""
+    """Return the current value of an installed knob."""
     return float(VALUES[place(which)])
 
 
 def turn(which: Knob, value: float) -> None:
-    """Give a knob that has been installed another value."""
+    """Set an installed knob to another value."""
     VALUES[place(which)] = value
 
 
 def place(which: Knob) -> int:
-    """Return where a knob's value lies. Raises ValueError if the simulator does not use it."""
+    """Return the index of a knob's value. Raises ValueError if the simulator does not use the knob."""
     import_module(f"{PACKAGE}.{which.module}")
     if (which.module, which.name, which.field) not in SLOTS:
         raise ValueError(f"no function of the simulator that is in use reads {which}")

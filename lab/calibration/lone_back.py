@@ -1,8 +1,8 @@
 """How often does a lone back take the ball off a carrier who sprints or runs straight at goal, in both engines?
 
 The carrier starts just behind a resting ball; the back stands 3 to 10 m in front and up to 3 m aside, drawn for every
-episode. Both engines play the same scenes, with luck of their own. The odds of a built-in player's standing tackle
-(`TACKLE` of `envs/football/skills/tackles.py`) are compared on these. GRF must be installed (`make grf`):
+episode. Both engines play the same scenes, with independent random numbers. These scenes test the odds of a built-in
+player's standing tackle (`TACKLE` of `envs/football/skills/tackles.py`). GRF must be installed (`make grf`):
 
     python -m lab.calibration.lone_back --scenes 400 --seed 4
 """
@@ -22,7 +22,7 @@ from regista.experiments.transfer.episodes import Episodes, play_keys
 from ued.core.level_space import level_dtype
 
 STEPS, LOOKED_AT = 40, (15, 25, 40)
-WORKERS = 16  # engines at once
+WORKERS = 16  # GRF engines in parallel
 PROGRAM = """
 param game_duration = 401
 param offsides = False
@@ -43,7 +43,7 @@ Ball at x @ y, with allowCollisions True
 
 
 def keys(seed: int, count: int, sprints: bool) -> np.ndarray:
-    """Return the carrier's keys `[count, STEPS]`: a direction for one or two steps, then perhaps sprint."""
+    """Return the carrier's actions `[count, STEPS]`: a direction for one or two steps, then perhaps sprint."""
     rng = np.random.default_rng(seed)
     pressed = np.full((count, STEPS), IDLE)
     for row in pressed:
@@ -55,7 +55,7 @@ def keys(seed: int, count: int, sprints: bool) -> np.ndarray:
 
 
 def play(engine: str, difficulty: float, seed: int, count: int, sprints: bool) -> Episodes:
-    """Play so many drawn scenes, one episode each."""
+    """Play `count` drawn scenes, one episode each."""
     program, config = PROGRAM.format(difficulty=difficulty), replace(OURS, engine=engine)
     with closing(FootballVectorEnv(program, min(count, WORKERS), config=config)) as env:
         levels = np.zeros(count, level_dtype(env.theta_dim))
@@ -65,7 +65,7 @@ def play(engine: str, difficulty: float, seed: int, count: int, sprints: bool) -
 
 
 def line(engine: str, episodes: Episodes) -> str:
-    """Return the shares of episodes in which the back has the ball, with 95% intervals."""
+    """Return the shares of episodes in which the back gets the ball, with 95% intervals."""
     lost = episodes.endings() == "possession"
     shares = [float(np.mean(lost & (episodes.lengths <= step))) for step in LOOKED_AT]
     errors = [1.96 * np.sqrt(share * (1.0 - share) / len(episodes)) for share in shares]

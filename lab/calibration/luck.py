@@ -1,9 +1,9 @@
-"""By how much the loss of a family changes with other random numbers alone: what a profile cannot tell apart.
+"""How much does the loss of a family change with other random numbers alone? A profile cannot resolve less.
 
     python -m lab.calibration.luck                     prints the losses of all families for five sets of random numbers
 
-`LUCK` holds what this printed, as a share of the loss, at the efforts at which the profiles were made. Read next:
-`summary.py`, which uses it.
+`LUCK` holds these results as a share of the loss, at the efforts of the profiles. Read next: `summary.py`, which uses
+it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from lab.grf import blocks, chases, stage
 
-# family: effort of its profiles (of chases four sets were played), and standard deviation of its loss by its mean
+# family: effort of its profiles (chases: only four sets), and standard deviation of its loss divided by the mean
 LUCK: dict[str, tuple[float, float]] = {
     "passes": (2.0, 0.047),
     "shots": (0.5, 0.043),
@@ -25,11 +25,11 @@ LUCK: dict[str, tuple[float, float]] = {
     "motion:start_rows,curve_rows": (1.0, 0.084),
     "motion:steady_rows,curve_rows,carry_rows": (1.0, 0.1),  # assumed, not measured
 }
-SETS, APART = 5, 100_003  # sets of random numbers, and by how much their seeds differ
+SETS, APART = 5, 100_003  # sets of random numbers, and the difference between their seeds
 
 
 def losses(family: str, effort: float) -> list[float]:
-    """Return the losses `[SETS]` of a family with seeds further on each time."""
+    """Return the losses `[SETS]` of a family, each with another shift of the seeds."""
     from lab.calibration.profile import family_loss
 
     kick_off, play_seeds = stage.kick_off, chases.play_seeds

@@ -1,17 +1,17 @@
 """Profile numbers of a law that act through play alone: is our simulator most like GRF at the shipped value?
 
-A family of `lab.benchmarks --suite grf` is replayed with one number at a time moved by some factors around its shipped
-value; the loss is the mean over the family's rows of the squared difference in tolerances, at most 9 for a
-row. Printed are the best value, the range in which the loss is within a twentieth of the best, and the losses by
-factor. The family does not determine a number with a wide range. Random numbers are the same for all values.
-`--search` minimizes the same loss over all numbers together.
+A family of `lab.benchmarks --suite grf` is replayed with one number at a time multiplied by several factors. The loss
+is the mean over the family's rows of the squared difference in units of the tolerance, at most 9 for a row. The output
+is the best value, the range in which the loss is within a twentieth of the best, and the losses by factor. A wide range
+means that the family does not determine the number. Random numbers are the same for all values. `--search` minimizes
+the same loss over all numbers together.
 
     python -m lab.calibration.profile passes skills.passes.FLIGHT.ground_cap skills.passes.FLIGHT.base
     python -m lab.calibration.profile motion:slide_rows,tired_rows --group slide --csv slide.csv
     python -m lab.calibration.profile motion:slide_rows,tired_rows --group slide --search
 
-Groups are those of `groups.py`, families may be parts of them. A run compiles football once, for some minutes. Read
-next: `knobs.py`, `groups.py`.
+Groups are those of `groups.py`; families may be parts of one. A run compiles football once, which takes some minutes.
+Read next: `knobs.py`, `groups.py`.
 """
 
 from __future__ import annotations
@@ -27,21 +27,22 @@ from pathlib import Path
 import numpy as np
 
 FACTORS = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
-SEARCHED = (0.2, 0.05)  # by which a search moves numbers, at first and then
-MOST = 9.0  # squared tolerances that one row counts at most
-NEAR = 0.05  # share of the best loss by which as good values may be worse
+SEARCHED = (0.2, 0.05)  # relative steps of a search, the larger one first
+MOST = 9.0  # maximum loss of one row, in squared tolerances
+NEAR = 0.05  # largest relative excess over the best loss for a value as good as the best
 
 
 def row_loss(difference: float, tolerance: float) -> float:
-    """Return a row's squared difference in tolerances, at most MOST; so much, too, for what could not be measured."""
+    """Return a row's squared difference in tolerances, at most MOST; MOST if the row could not be measured."""
     if not np.isfinite(difference):
         return MOST
     return min((difference / max(tolerance, 0.01)) ** 2, MOST)
 
 
 def best_of(factors: Sequence[float], losses: Sequence[float], near: float = NEAR) -> tuple[float, float, float]:
-    """Return the factor of the least loss, the one nearest to 1 of equals, and the lowest and highest of the
-    connected ones that are nearly as good: worse by a share `near` at most.
+    """Return the factor with the least loss, and the range of connected factors that are nearly as good.
+
+    Nearly as good means worse by a share `near` at most. Of equal losses, the factor nearest to 1 counts.
     """
     at = min(range(len(factors)), key=lambda k: (round(losses[k], 6), abs(factors[k] - 1.0)))
     good = np.asarray(losses) <= losses[at] * (1.0 + near) + 1e-12
@@ -54,7 +55,7 @@ def best_of(factors: Sequence[float], losses: Sequence[float], near: float = NEA
 
 
 def coordinate_search(loss: Callable[[list[float]], float], start: Sequence[float]) -> tuple[list[float], float]:
-    """Minimize a loss from `start` on, one number at a time, by smaller and smaller factors; return both."""
+    """Minimize a loss from `start`, one number at a time, with decreasing factors; return the values and the loss."""
     values, least = list(start), loss(list(start))
     for step in SEARCHED:
         moved = True
@@ -70,7 +71,7 @@ def coordinate_search(loss: Callable[[list[float]], float], start: Sequence[floa
 
 
 def family_loss(name: str, effort: float) -> float:
-    """Return the loss of our simulator, as it is now, in a family, or in some of its parts: "motion:slide_rows"."""
+    """Return the current loss of our simulator in a family, or in some of its parts such as "motion:slide_rows"."""
     from lab.grf.report import family_module
 
     name, _, parts = name.partition(":")
@@ -83,7 +84,7 @@ def family_loss(name: str, effort: float) -> float:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the script and give its exit code."""
+    """Run the script and return its exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("family")
     parser.add_argument("knobs", nargs="*", help="such as skills.saves.SAVE.body")
@@ -99,7 +100,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def run(typed: argparse.Namespace) -> None:
-    """Install the knobs that are asked for, and profile them."""
+    """Install the requested knobs, and profile them."""
     from lab.calibration.groups import group
     from lab.calibration.knobs import install, parse
 
@@ -112,7 +113,7 @@ def run(typed: argparse.Namespace) -> None:
 
 
 def print_search(family: str, chosen: Sequence, effort: float) -> None:
-    """Fit all knobs together from the shipped values on; print them beside those."""
+    """Fit all knobs together, starting from the shipped values; print both."""
     from lab.calibration.knobs import read, turn
 
     shipped = [read(each) for each in chosen]
@@ -130,7 +131,7 @@ def print_search(family: str, chosen: Sequence, effort: float) -> None:
 
 
 def print_profiles(family: str, chosen: Sequence, effort: float, path: Path | None) -> None:
-    """Profile each knob; print a line for it, and write all losses into a file."""
+    """Profile each knob; print a line for it, and write all losses to a file."""
     from lab.calibration.knobs import read, turn
 
     now = family_loss(family, effort)

@@ -1,9 +1,8 @@
 """Fit the numbers of a law to rows of measurements, with standard errors, by NumPy alone.
 
 A law gives the loss of each row: its negative log likelihood, or half of a squared residual in units of its spread.
-`fit` minimizes their sum by scoring steps (Berndt, Hall, Hall & Hausman 1974) that are damped until they help;
-standard errors are those of the sandwich formula. A number that no row tells apart has an infinite error. Read next:
-`saves.py`.
+`fit` minimizes their sum by scoring steps (Berndt, Hall, Hall & Hausman 1974), damped until the sum decreases. Standard
+errors come from the sandwich formula. A number that no row identifies has an infinite error. Read next: `saves.py`.
 """
 
 from __future__ import annotations
@@ -17,12 +16,12 @@ import numpy as np
 Losses = Callable[[np.ndarray], np.ndarray]  # numbers [K] -> losses [R]
 ROUNDS, RELATIVE_STEP, LEAST_STEP = 200, 1e-4, 1e-5
 DAMPING, MOST_DAMPING, ENOUGH = 1e-3, 1e9, 1e-7
-LIKELY = 1e-6  # least chance of what happened, so that a law that rules it out has a finite loss
+LIKELY = 1e-6  # smallest probability of an observed outcome, so that a law that excludes it has a finite loss
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Numbers `[K]`, their standard errors `[K]`, and the sum of losses there."""
+    """Fitted numbers `[K]`, their standard errors `[K]`, and the sum of losses at these numbers."""
 
     values: np.ndarray
     errors: np.ndarray
@@ -30,13 +29,13 @@ class Fit:
 
 
 def bernoulli(chance: np.ndarray, happened: np.ndarray) -> np.ndarray:
-    """Return the negative log likelihood `[R]` of what happened under these chances."""
+    """Return the negative log likelihood `[R]` of the outcomes under these probabilities."""
     sure = np.clip(chance, LIKELY, 1.0 - LIKELY)
     return -np.where(np.asarray(happened, bool), np.log(sure), np.log(1.0 - sure))
 
 
 def binomial(chance: np.ndarray, share: np.ndarray, count: np.ndarray) -> np.ndarray:
-    """Return the negative log likelihood `[R]` of shares of so many trials."""
+    """Return the negative log likelihood `[R]` of shares of `count` trials."""
     sure = np.clip(chance, LIKELY, 1.0 - LIKELY)
     return -count * (share * np.log(sure) + (1.0 - share) * np.log(1.0 - sure))
 
@@ -47,7 +46,7 @@ def squares(residuals: np.ndarray, spread: float) -> np.ndarray:
 
 
 def slopes(losses: Losses, values: np.ndarray) -> np.ndarray:
-    """Return how each row's loss changes with each number, `[R, K]`, by central differences."""
+    """Return the derivatives of each row's loss by each number, `[R, K]`, by central differences."""
     columns = []
     for k in range(len(values)):
         step = np.zeros(len(values))
@@ -57,7 +56,7 @@ def slopes(losses: Losses, values: np.ndarray) -> np.ndarray:
 
 
 def fit(losses: Losses, start: Sequence[float], least: float = -np.inf) -> Fit:
-    """Minimize the sum of losses from `start` on, no number below `least`.
+    """Minimize the sum of losses from `start`, with every number at least `least`.
 
     Raises ValueError if the losses at the start are not finite.
     """
@@ -85,9 +84,9 @@ def fit(losses: Losses, start: Sequence[float], least: float = -np.inf) -> Fit:
 
 
 def errors(losses: Losses, values: np.ndarray) -> np.ndarray:
-    """Return the standard errors `[K]` at the least sum of losses, by the sandwich formula; inf where no row tells.
+    """Return the standard errors `[K]` at the minimum, by the sandwich formula; inf for unidentified numbers.
 
-    Where the sum does not bend upwards, as at a corner of a law, the outer product of the slopes takes its place.
+    If the sum is not convex at the minimum, as at a corner of a law, the outer product of the slopes takes its place.
     """
     slope = slopes(losses, values)
     spread, bend = slope.T @ slope, np.zeros((len(values), len(values)))
@@ -108,7 +107,7 @@ def errors(losses: Losses, values: np.ndarray) -> np.ndarray:
 
 
 def fit_fields(law: Any, names: Sequence[str], losses: Callable[[Any], np.ndarray], least: float = -np.inf) -> Fit:
-    """Fit some fields of a named tuple, from their shipped values on; `losses` takes the tuple with other fields."""
+    """Fit some fields of a named tuple, starting from their shipped values; `losses` takes the changed tuple."""
 
     def changed(values: np.ndarray) -> np.ndarray:
         return losses(law._replace(**dict(zip(names, values.tolist(), strict=True))))
@@ -117,5 +116,5 @@ def fit_fields(law: Any, names: Sequence[str], losses: Callable[[Any], np.ndarra
 
 
 def columns(rows: Sequence[Mapping[str, Any]], *names: str) -> list[np.ndarray]:
-    """Return columns of a table as numbers `[R]`."""
+    """Return columns of a table as arrays `[R]`."""
     return [np.array([float(row[name]) for row in rows]) for name in names]

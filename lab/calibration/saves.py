@@ -1,9 +1,9 @@
 """Fit `SAVE`, the odds of a save, to measured shots on target.
 
-The time, the gap and what meeting a shot costs are taken from `follow_shot` of the simulator, with keeper and ball as
-they were measured and led back to the kick. The chances of the law are fitted by maximum likelihood to goals and
-saves. Held are the numbers that say where the law changes (`sudden`, `on_line`, `off_line`), and `dive_from`,
-`dive_range`, which these shots do not tell apart. Read next: `regression.py`.
+`follow_shot` of the simulator computes the time, the gap and the effort to meet a shot. Its inputs are the measured
+keeper and ball, traced back to the kick. The probabilities of the law are fitted by maximum likelihood to goals and
+saves. Held fixed are the numbers at which the law changes (`sudden`, `on_line`, `off_line`), and `dive_from` and
+`dive_range`, which these shots do not identify. Read next: `regression.py`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from regista.kernels.jit import kernel
 LAW, NAMES = SAVE, ("body", "body_gap", "hands", "halfway", "line_halfway", "effort")
 TIMES = (0.0, 0.22, 0.35, 0.45, 0.6, 9.0)  # s
 BALL, KEEPER = ("x", "y", "z", "vx", "vy", "vz"), ("x", "y", "vx", "vy")
-DRAG, GRAVITY = 0.0175, 9.8  # share of its speed that a shot loses per m, and m/s²: back to the kick
+DRAG, GRAVITY = 0.0175, 9.8  # share of its speed that a shot loses per m, and m/s²; to trace it back to the kick
 
 
 @kernel
@@ -40,7 +40,7 @@ def fly_a_step(matches):
 
 @kernel
 def follow_all(matches, result):
-    """Write the result of following each match's shot: effort in m/s, gap in m, time in s, 1 if hands are allowed."""
+    """Write the results of following each match's shot: effort in m/s, gap in m, time in s, 1 if hands are allowed."""
     for e in range(len(matches)):
         keeper = matches[e].players[1]
         _, result[e, 0], result[e, 1], result[e, 2] = follow_shot(matches[e], keeper, HALF_LENGTH)
@@ -70,7 +70,7 @@ def features(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
 
 
 def turning(matches: np.ndarray, later_vx: np.ndarray, later_vy: np.ndarray) -> np.ndarray:
-    """Return the curl `[R]` in rad/s with which each ball turns within a step as it was seen to turn."""
+    """Return the curl `[R]` in rad/s that reproduces the observed turn of each ball within a step."""
     ball, turned = matches["ball"], []
     vx, vy = ball["vx"].copy(), ball["vy"].copy()
     for curl in (0.0, 1.0):
@@ -83,7 +83,7 @@ def turning(matches: np.ndarray, later_vx: np.ndarray, later_vy: np.ndarray) -> 
 
 
 def chances(law: SaveOdds, seen: np.ndarray) -> np.ndarray:
-    """Return the chance of a save `[R]` as `save_chance` has it, of a keeper as skilled as the measured one."""
+    """Return the probability of a save `[R]`, as in `save_chance`, at the skill of the measured keeper."""
     effort, gap, time, in_box, before = seen.T
     body = np.where(time < law.sudden, law.body * np.maximum(1.0 - (gap / law.body_gap) ** 2, 0.0), 0.0)
     out = np.clip((before - law.on_line) / law.off_line, 0.0, 1.0)
@@ -96,7 +96,7 @@ def chances(law: SaveOdds, seen: np.ndarray) -> np.ndarray:
 
 
 def prepare(rows: Sequence[Mapping[str, Any]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the features `[R, 5]` of shots, and which of them were saved `[R]`."""
+    """Return the features `[R, 5]` of shots, and whether each was saved `[R]`."""
     seen, saved = features(rows), columns(rows, "goal")[0] == 0
     told = seen[:, 2] > DT
     return seen[told], saved[told]
@@ -108,7 +108,7 @@ def losses(shots: tuple[np.ndarray, np.ndarray], law: SaveOdds) -> np.ndarray:
 
 
 def summary(shots: tuple[np.ndarray, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the share of saves, and what the shipped law says, by the s until the shot passes."""
+    """Return the share of saves and the shipped law's prediction, by s until the shot passes."""
     told = {}
     for least, most in pairwise(TIMES):
         there = (shots[0][:, 2] >= least) & (shots[0][:, 2] < most)

@@ -1,8 +1,7 @@
-"""Scenes drawn with a seed, played in Google Research Football (GRF) or in our simulator, and what was seen of them.
+"""Play scenes drawn with a seed in Google Research Football (GRF) or in our simulator, and record them.
 
-A scene is a Scenic program whose random values are drawn uniformly, with keys drawn for every episode. `record` keeps
-what `experiments/transfer/episodes.py` keeps, and the velocities beside it. Read next: `measure.py`, which draws the
-scenes.
+A scene is a Scenic program with uniformly drawn random values, and actions drawn for every episode. `record` keeps the
+data of `experiments/transfer/episodes.py`, and the velocities. Read next: `measure.py`, which draws the scenes.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.transfer.episodes import Episodes, play
 from ued.core.level_space import SEEDS, level_dtype
 
-BATCH = 16  # episodes that are played side by side
+BATCH = 16  # episodes in parallel
 HEAD = """param game_duration = {steps}
 param offsides = False
 param right_team_difficulty = {difficulty}
@@ -29,11 +28,11 @@ param end_episode_on_possession_change = False
 
 @dataclass(frozen=True)
 class Recording:
-    """E episodes of P players over T steps: row t is what was seen before step t, in m and m/s, y upwards."""
+    """E episodes of P players over T steps: row t is the state before step t, in m and m/s, y upwards."""
 
-    ball: np.ndarray  # [E, T, 6], place and velocity
+    ball: np.ndarray  # [E, T, 6], position and velocity
     spin: np.ndarray  # [E, T, 2], m/s
-    players: np.ndarray  # [E, T, P, 4], place and velocity
+    players: np.ndarray  # [E, T, P, 4], position and velocity
     facing: np.ndarray  # [E, T, P, 2]
     owner: np.ndarray  # [E, T], -1 none
     keys: np.ndarray  # [E, T]
@@ -45,9 +44,9 @@ class Recording:
 
 
 def record(body: str, keys: np.ndarray, engine: str, seed: int, difficulty: float = 0.6) -> Recording:
-    """Play drawn scenes of a program, an episode for every row of `keys` `[E, T]` of the active player.
+    """Play drawn scenes of a program, one episode for each row of `keys` `[E, T]`, the actions of the active player.
 
-    `engine` is "grf" or "regista". Raises `GrfError` where GRF is not installed.
+    `engine` is "grf" or "regista". Raises `GrfError` if GRF is not installed.
     """
     rng = np.random.default_rng(seed)
     count, steps = keys.shape
@@ -88,9 +87,9 @@ def _snapshot(matches: np.ndarray, num_players: int) -> tuple[np.ndarray, ...]:
 
 
 def kick_time(recording: Recording, episode: int, step: int) -> float:
-    """Return for how many s the ball had been flying when it was first seen off the foot, before this step.
+    """Return the flight time in s of the ball when it is first seen off the foot, before this step.
 
-    It is where the ball's way back along its velocity is nearest to the way on of the step before.
+    The kick is the time at which the ball's path, traced back along its velocity, is nearest to its previous path.
     """
     before, after = recording.ball[episode, step - 1], recording.ball[episode, step]
     change = after[3:5] - before[3:5]

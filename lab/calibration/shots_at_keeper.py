@@ -1,8 +1,8 @@
-"""Shots at a keeper, drawn and measured: what the odds of a save (`skills/saves.py`, `SAVE`) are fitted to.
+"""Measure shots at a keeper in drawn scenes, the data for the odds of a save (`skills/saves.py`, `SAVE`).
 
-A lone striker 3 to 30 m before the goal runs in a drawn direction and shoots; the keeper starts on the line or up to
-10 m before it. A row is a shot on target as it was first seen off the foot, `flown` s after the kick, with its
-velocity a step later, and how the keeper met it. Read next: `saves.py`.
+A lone striker 3 to 30 m before the goal runs in a drawn direction and shoots; the keeper starts on the line or up to 10
+m before it. A row is a shot on target when it is first seen off the foot, `flown` s after the kick. It contains the
+velocity one step later, and how the keeper met the shot. Read next: `saves.py`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Ball at x @ y, with allowCollisions True
 """
 STEPS, LONGEST_RUN, LONGEST_PRESS = 42, 9, 4
 STRIKER, KEEPER = 1, 2
-DEFLECTED = 5.0  # m/s by which the ball is slower forward, or off its course, a step later: somebody has met it
+DEFLECTED = 5.0  # m/s of lost speed or of sideways speed one step later: the ball has hit a player
 COLUMNS = (
     *("flown", "x", "y", "z", "vx", "vy", "vz", "later_vx", "later_vy"),
     *("keeper_x", "keeper_y", "keeper_vx", "keeper_vy", "goal"),
@@ -34,7 +34,7 @@ HELD_WITHIN = 3  # steps
 
 
 def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every shot on target."""
+    """Play `count` episodes; return a row for every shot on target."""
     rng = np.random.default_rng([seed, 1])
     recording = record(SCENE, draw_keys(rng, count), engine, seed)
     rows = [shot_row(recording, episode) for episode in range(count)]
@@ -42,7 +42,7 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def draw_keys(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Draw keys `[count, STEPS]`: a direction for some steps, then shot."""
+    """Draw actions `[count, STEPS]`: a direction for some steps, then shot."""
     keys = np.full((count, STEPS), IDLE)
     for row in keys:
         row[0] = rng.choice(DIRECTIONS)
@@ -52,7 +52,7 @@ def draw_keys(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def shot_row(recording: Recording, episode: int) -> dict[str, Any] | None:
-    """Return the shot of an episode as it left the foot, None where there is none on target."""
+    """Return the shot of an episode as it left the foot; None if no shot is on target."""
     ball, length = recording.ball[episode], int(recording.lengths[episode])
     fast = np.hypot(ball[:length, 3], ball[:length, 4]) > KICKED
     step = int(np.argmax(fast))
@@ -73,8 +73,9 @@ def shot_row(recording: Recording, episode: int) -> dict[str, Any] | None:
 
 
 def meeting(recording: Recording, episode: int, step: int, flown: float) -> dict[str, Any]:
-    """Return how the keeper meets a shot that is seen first at `step`: s since the kick, velocities before and after,
-    and whether the keeper's hands hold it soon.
+    """Return how the keeper meets a shot that is first seen at `step`.
+
+    It has the s since the kick, the velocities before and after, and whether the keeper's hands hold the ball soon.
     """
     length = int(recording.lengths[episode])
     ball, keeper = recording.ball[episode, :length], recording.players[episode, :length, KEEPER]
@@ -89,7 +90,7 @@ def meeting(recording: Recording, episode: int, step: int, flown: float) -> dict
 
 
 def met(ball: np.ndarray, keeper: np.ndarray) -> bool:
-    """Return whether something stops or turns a ball `[T, 6]` before the goal line; else it has gone wide."""
+    """Return whether something stops or turns a ball `[T, 6]` before the goal line; otherwise the ball went wide."""
     change = np.diff(ball[:, 3:5], axis=0)
     turned = np.linalg.norm(change, axis=1) > DEFLECTED
     inside = ball[:-1, 0] < HALF_LENGTH

@@ -1,8 +1,8 @@
-"""Two players put in one place, measured, and the fit of how they stumble apart (`physics/bodies.py`, `STUMBLE`).
+"""Measure two players put in one place, and fit how they stumble apart (`physics/bodies.py`, `STUMBLE`).
 
-Two mates begin an episode in one place, far from the ball. A row is what they do in the first steps: how fast the one
-goes who stumbles further, and how far aside the other is. The time that it takes follows from the speeds that the
-summary prints, step by step. Read next: `__main__.py`.
+Two teammates begin an episode in one place, far from the ball. A row describes the first steps: the speed of the player
+who stumbles farther, and the sideways distance of the other player. The duration follows from the speeds that the
+summary prints for each step. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Stumble(NamedTuple):
 
 
 def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for each."""
+    """Play `count` episodes; return a row for each."""
     recording = record(SCENE, np.full((count, STEPS), IDLE), engine, seed)
     rows = []
     for people in recording.players[:, :, PAIR]:
@@ -52,19 +52,19 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def prepare(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return speeds and the way aside `[R, 7]`."""
+    """Return speeds and the sideways distance `[R, 7]`."""
     return np.column_stack(columns(rows, *COLUMNS))
 
 
 def losses(seen: np.ndarray, law: Stumble) -> np.ndarray:
-    """Return the losses `[R]` of a law: of the speeds while the player lies, and of the other's way aside."""
+    """Return the losses `[R]` of a law: of the speeds while the player lies, and of the other's sideways distance."""
     lies = np.arange(round(STUMBLE / STEP))
     off = seen[:, : len(lies)] - np.maximum(law.speed - FALL_FRICTION * STEP * lies, 0.0)
     return squares(off, SPREADS[0]).sum(1) + squares(seen[:, -1] - law.aside, SPREADS[1])
 
 
 def summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the median speed after each step, and what the shipped law predicts while the player lies (0 then)."""
+    """Return the median speed after each step, and the shipped law's prediction while the player lies (then 0)."""
     told = {}
     for step in SHOWN:
         law = STUMBLE_SPEED - FALL_FRICTION * STEP * (step - 1) if step * STEP <= STUMBLE + 1e-9 else 0.0

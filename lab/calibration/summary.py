@@ -1,11 +1,11 @@
-"""Say of each stored profile whether the shipped numbers are where our simulator is most like GRF.
+"""Report for each stored profile whether our simulator is most like GRF at the shipped numbers.
 
     python -m lab.calibration.summary
 
-A number is best where the loss is least at the shipped value, near if its loss there is so little above the least that
-luck may have made it, and elsewhere if another value is better by more; those are listed. It is undetermined if all
-values of the profile are near. Luck may make twice the standard deviation of `luck.py`, or a twentieth. Profiles are
-those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
+A number is best if the loss is least at the shipped value, and near if the excess over the least loss may be due to
+luck. It is elsewhere if another value is better by more; these numbers are listed. It is undetermined if all values of
+the profile are near. The limit for luck is the larger of a twentieth and twice the standard deviation of `luck.py`.
+Profiles are those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ VERDICTS = ("best", "near", "elsewhere", "not told apart")
 
 
 def verdict(losses: list[float], near: float) -> str:
-    """Return where the shipped value, at factor 1, stands among the losses at `FACTORS`; `near` is what luck makes."""
+    """Return the verdict on the shipped value, factor 1, from the losses at `FACTORS`; `near` is the limit for luck."""
     best, low, high = best_of(FACTORS, losses, near)
     if (low, high) == (FACTORS[0], FACTORS[-1]):
         return "not told apart"
@@ -37,7 +37,7 @@ def losses_of(row: Mapping[str, str]) -> list[float]:
 
 
 def lines(path: Path) -> list[str]:
-    """Return a summary of one profile: how many numbers have which verdict, and the better values elsewhere."""
+    """Return a summary of one profile: the count of each verdict, and the better values elsewhere."""
     rows = list(csv.DictReader(path.read_text().splitlines()))
     near = max(NEAR, 2.0 * LUCK[rows[0]["family"]][1])
     verdicts = [verdict(losses_of(row), near) for row in rows]

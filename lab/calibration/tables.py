@@ -1,4 +1,4 @@
-"""The measurements of GRF that are drawn and stored here, and the tables that are fitted to each.
+"""Stored measurements of GRF in drawn scenes, and the tables that are fitted to each.
 
 Read next: `saves.py`, a table; `shots_at_keeper.py`, a measurement.
 """
@@ -19,7 +19,7 @@ from regista.envs.football.skills.tackles import TACKLE
 
 @dataclass(frozen=True)
 class Measurement:
-    """How a file of `data` is measured: `measure(count, engine, seed)` plays so many episodes and returns rows."""
+    """How to measure a file of `data`: `measure(count, engine, seed)` plays `count` episodes and returns rows."""
 
     measure: Callable[[int, str, int], list[dict[str, Any]]]
     count: int  # episodes of GRF
@@ -27,7 +27,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Table:
-    """A law, the fields that are fitted, and the losses of rows that `prepare` has read from a measurement."""
+    """A law, its fitted fields, and the losses of rows that `prepare` reads from a measurement."""
 
     title: str
     source: str
@@ -35,8 +35,8 @@ class Table:
     names: tuple[str, ...]
     prepare: Callable[[Any], Any]
     losses: Callable[[Any, Any], Any]
-    summary: Callable[[Any], dict[str, tuple[float, float]]]  # measured, and what the shipped law says
-    least: float = 0.0  # of every number
+    summary: Callable[[Any], dict[str, tuple[float, float]]]  # measured, and predicted by the shipped law
+    least: float = 0.0  # lower bound of every number
 
 
 MEASURES = {
@@ -61,7 +61,7 @@ TABLES = {
         "skills/hands.py PARRY",
         "shots_at_keeper",
         PARRY,
-        ("ball", "run", "back", "along"),  # the law is the same with back, along and out all twice as great
+        ("ball", "run", "back", "along"),  # the law is the same if back, along and out are all doubled
         hands.meetings,
         hands.parry_losses,
         hands.parry_summary,

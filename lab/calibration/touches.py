@@ -1,9 +1,9 @@
-"""First touches, drawn and measured, and the fits of `AT_REST` and `BRING_DOWN` (`skills/first_touch.py`) to them.
+"""Measure first touches in drawn scenes, and fit `AT_REST` and `BRING_DOWN` (`skills/first_touch.py`) to them.
 
-`balls_at_rest`: a player runs to a ball that lies 1 to 4 m ahead, and changes the direction keys before reaching it.
-`passes_received`: a mate passes to a player whose keys lead somewhere. A row is the first touch: velocities in the
-step before it and after it, in the frame of the keys (`along` their way, `aside` to their left). They are seen 0.1 to
-0.2 s after the touch, when GRF's bodies have ended it. Read next: `__main__.py`.
+`balls_at_rest`: a player runs to a ball 1 to 4 m ahead, and changes direction before reaching it. `passes_received`: a
+teammate passes to a player who runs in some direction. A row is the first touch. It contains the velocities in the
+steps before and after it, in the frame of the direction action (`along` it, `aside` to its left). They are seen 0.1 to
+0.2 s after the touch, when GRF's bodies have completed it. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ RightGK at 99 @ 0
 Ball at 1.2 @ 0, with allowCollisions True
 """
 PLAYER, MATE = 1, 2
-TURNS = (2, 3, 7, 8)  # keys aside and a little back, for who runs ahead
+TURNS = (2, 3, 7, 8)  # directions to the side and slightly back, for a player who runs ahead
 STEPS_REST, STEPS_PASS = 22, 36
 AFTER = 1  # steps since the touch was first seen
-MOVES, CHANGES, NEAR = 0.4, 2.5, 1.6  # m/s of a ball that moves, m/s of one that is touched, and m to the player
+MOVES, CHANGES, NEAR = 0.4, 2.5, 1.6  # m/s of a moving ball, change in m/s of a touched ball, and m to the player
 COLUMNS = ("run_along", "run_aside", "came", "body_along", "body_aside", "ball_along", "ball_aside")
 SPREAD = 0.5  # m/s
 
 
 def balls_at_rest(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every first touch of a ball at rest whose keys lead somewhere."""
+    """Play `count` episodes; return a row for every first touch of a ball at rest by a player with a direction."""
     rng = np.random.default_rng([seed, 3])
     keys = np.full((count, STEPS_REST), IDLE)
     keys[:, 0] = DIRECTION_RIGHT
@@ -55,7 +55,7 @@ def balls_at_rest(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def passes_received(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
-    """Play so many episodes; return a row for every pass that the mate brings down."""
+    """Play `count` episodes; return a row for every pass that the teammate brings down."""
     rng = np.random.default_rng([seed, 4])
     keys = np.repeat(rng.integers(1, 9, (count, 1)), STEPS_PASS, axis=1)
     keys[:, 0], keys[:, 1], keys[:, 2:9] = IDLE, SHORT_PASS, IDLE
@@ -69,13 +69,13 @@ def passes_received(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 
 def held(pressed: np.ndarray) -> int:
-    """Return the direction that is held after these keys."""
+    """Return the direction that remains held after these actions."""
     directions = pressed[(pressed >= 1) & (pressed <= 8)]
     return int(directions[-1])
 
 
 def received(recording: Recording, episode: int) -> int | None:
-    """Return before which step the mate is first seen to have touched the pass, None if that never happens."""
+    """Return the step before which the teammate first touches the pass; None if that never happens."""
     ball, mate = recording.ball[episode], recording.players[episode, :, MATE]
     for step in range(12, int(recording.lengths[episode]) - AFTER):
         near = np.linalg.norm(ball[step, :2] - mate[step, :2]) < NEAR
@@ -85,7 +85,7 @@ def received(recording: Recording, episode: int) -> int | None:
 
 
 def touch(recording: Recording, episode: int, step: int, player: int, key: int) -> dict[str, Any]:
-    """Return the velocities around a touch in the frame of the keys; `came` is the ball's, seen by the player."""
+    """Return the velocities around a touch in the direction's frame; `came` is the ball's speed seen by the player."""
     ahead = np.array([DIRECTION_X[key], DIRECTION_Y[key]])
     frame = np.stack([ahead, (-ahead[1], ahead[0])])
     later = step + AFTER
@@ -96,7 +96,7 @@ def touch(recording: Recording, episode: int, step: int, player: int, key: int) 
 
 
 def prepare_rest(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return touches `[R, 7]` within a stride: aside or a little back, as `first_touch.in_stride` has them."""
+    """Return touches `[R, 7]` within a stride: to the side or slightly back, as in `first_touch.in_stride`."""
     table = np.column_stack(columns(rows, *COLUMNS))
     speed = np.hypot(table[:, 0], table[:, 1])
     return table[(speed > 1.0) & (table[:, 0] < -0.01 * speed) & (table[:, 0] > AT_REST.stride_cosine * speed)]
@@ -112,14 +112,14 @@ def rest_law(law: AtRest, seen: np.ndarray) -> np.ndarray:
 
 
 def prepare_pass(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return touches `[R, 7]` of balls that come hard, to players who are not turned back."""
+    """Return touches `[R, 7]` of fast balls by players who do not turn back."""
     table = np.column_stack(columns(rows, *COLUMNS))
     back = (table[:, 0] < 0.0) & (np.hypot(table[:, 0], table[:, 1]) > BRING_DOWN.back_from)
     return table[(table[:, 2] > BRING_DOWN.hard) & ~back]
 
 
 def pass_law(law: BringDown, seen: np.ndarray) -> np.ndarray:
-    """Return velocities after the touch `[R, 4]`, as `first_touch.bring_down` has them."""
+    """Return velocities after the touch `[R, 4]`, as in `first_touch.bring_down`."""
     along, aside = seen[:, 0], seen[:, 1]
     speed = np.hypot(along, aside)
     along = np.where(along < 0.0, law.back_slow * along, along)
@@ -131,7 +131,7 @@ def pass_law(law: BringDown, seen: np.ndarray) -> np.ndarray:
 
 
 def losses_of(predicted: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Return losses `[R]` that outliers do not rule."""
+    """Return losses `[R]` that are robust to outliers."""
     return np.log1p((((predicted - seen[:, 3:]) / SPREAD) ** 2).sum(1))
 
 
@@ -146,7 +146,7 @@ def pass_losses(seen: np.ndarray, law: BringDown) -> np.ndarray:
 
 
 def medians(seen: np.ndarray, predicted: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the median of each velocity after the touch, and that of the shipped law."""
+    """Return the median of each velocity after the touch, measured and from the shipped law."""
     return {
         f"median {name}, m/s": (float(np.median(seen[:, 3 + k])), float(np.median(predicted[:, k])))
         for k, name in enumerate(COLUMNS[3:])
@@ -154,10 +154,10 @@ def medians(seen: np.ndarray, predicted: np.ndarray) -> dict[str, tuple[float, f
 
 
 def rest_summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return medians, measured and of the shipped law."""
+    """Return medians, measured and from the shipped law."""
     return medians(seen, rest_law(AT_REST, seen))
 
 
 def pass_summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return medians, measured and of the shipped law."""
+    """Return medians, measured and from the shipped law."""
     return medians(seen, pass_law(BRING_DOWN, seen))

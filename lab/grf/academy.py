@@ -1,7 +1,7 @@
-"""Whole episodes: how often scripted policies, and the built-in players, score on jittered academy scenes.
+"""Whole episodes: how often scripted policies and the built-in players score on jittered academy scenes.
 
-Every player of a scene, and with its carrier the ball, is up to JITTER m from the academy's place in x and in y. Both
-engines play the same drawn scenes. Read next: `grf.players`, whole matches.
+Every player of a scene is up to JITTER m from the academy's position in x and in y; the ball moves with its carrier.
+Both engines play the same drawn scenes. Read next: `grf.players`, whole matches.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from ued.core.level_space import level_dtype
 TITLE = "jittered academy scenes"
 REQUIRED = 0.8  # share of the rows that should be within tolerance
 TOLERANCE = 0.12
-JITTER = 2.0  # m, at most, of each player in x and in y
+JITTER = 2.0  # m, maximum offset of each player in x and in y
 DRAWN = 200  # scenes of each row, the same for all of its policies
 EPISODES = 2 * DRAWN  # at effort 1, in our simulator
 GRF_EPISODES = DRAWN
 SEED = 40_000
 OURS = FootballConfig("features", control="active")
-BUILT_IN = "builtin_ai"  # the built-in AI has the agent's player as well
+BUILT_IN = "builtin_ai"  # the built-in AI also controls the agent's player
 ROWS = (
     ("empty_goal_close", "always_shot"),
     ("empty_goal", "always_shot"),
@@ -58,7 +58,7 @@ ROWS = (
 
 
 def play_policy(scene: str, policy: str, count: int, config: FootballConfig = OURS) -> Episodes:
-    """Play so many episodes of a policy on a scene's drawn levels, in the engine of a configuration."""
+    """Play `count` episodes of a policy on a scene's drawn levels, in the engine of a configuration."""
     text = program_text(SCENES[scene], JITTER)
     with closing(FootballVectorEnv(text, min(count, TEST_ENVS[config.engine]), config=config)) as env:
         levels = drawn_levels(env, count)
@@ -77,7 +77,7 @@ def play_policy(scene: str, policy: str, count: int, config: FootballConfig = OU
 
 
 def drawn_levels(env: FootballVectorEnv, count: int) -> np.ndarray:
-    """Return so many levels: each of the DRAWN scenes once, then again, with other luck."""
+    """Return `count` levels: each of the DRAWN scenes once, then again with other seeds."""
     levels = np.zeros(count, level_dtype(env.theta_dim))
     theta = np.random.default_rng(SEED).uniform(-1.0, 1.0, (DRAWN, env.theta_dim))
     levels["theta"] = np.resize(theta, (count, env.theta_dim))
@@ -86,7 +86,7 @@ def drawn_levels(env: FootballVectorEnv, count: int) -> np.ndarray:
 
 
 def numbers(episodes: Episodes) -> dict[str, Any]:
-    """Return what is stored of a row's episodes: their number, how many ended how, and the median length in steps."""
+    """Return the stored summary of a row's episodes: number, count of each ending, and median length in steps."""
     endings = episodes.endings()
     ended = {word.replace(" ", "_"): int((endings == word).sum()) for word in ENDINGS[1:5]}
     length = float(np.median(episodes.lengths))
@@ -125,7 +125,7 @@ def figure(path: Path, effort: float = 1.0) -> None:
 
 
 def measure_both(other: FootballConfig, count: int, told: Callable[[int], None]) -> list[dict[str, Any]]:
-    """Play all ROWS in both engines, `count` episodes in the other one; return them as `data/academy.csv` has them."""
+    """Play all ROWS in both engines, `count` episodes in the other one; return the rows of `data/academy.csv`."""
     rows: list[dict[str, Any]] = []
     for scene, policy in ROWS:
         ours = numbers(play_policy(scene, policy, count * EPISODES // GRF_EPISODES))
@@ -136,7 +136,7 @@ def measure_both(other: FootballConfig, count: int, told: Callable[[int], None])
 
 
 def table(rows: Sequence[dict[str, Any]]) -> list[list[str]]:
-    """Return a line for each row, ours and the original's side by side."""
+    """Return a line for each row, ours and GRF's side by side."""
     lines = [["scene", "policy", "goals, ours", "goals, grf", "length, ours", "length, grf"]]
     for row in rows:
         sides = ("ours_", "")

@@ -1,9 +1,10 @@
-"""The ball between two touches: passes along the ground and high, and shots, over 2.5 s or until somebody met them.
+"""The ball between two touches: ground passes, high passes and shots, over 2.5 s or until the ball hits a player.
 
-Each path of the original is begun again from the first step in which the ball was free, with its place, height and
-velocity there and the spin that such a kick gives; what follows is the ball's alone. Compared are the distance at the
-end, the speed on the way (root mean square of the difference, as a share of that of the speed), and for what flies the
-height (as a share of the greatest). Read next: `grf.passes`, where the speed with which it leaves the foot is compared.
+Each path of GRF is repeated from the first step in which the ball was free. It starts with GRF's position, height and
+velocity in that step, and with the spin of such a kick; no player touches the ball. The final distance and the speed on
+the way are compared, and for flying balls the height. Speed and height are compared by the root mean square of the
+difference, as a share of the root mean square speed and of the greatest height. Read next: `grf.passes`, where the
+speed with which it leaves the foot is compared.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from regista.kernels.jit import kernel
 TITLE = "ball"
 REQUIRED = 1.0
 TOLERANCE = 0.05
-FLIES_ABOVE = 0.5  # m, paths that stay below have no height worth comparing
+FLIES_ABOVE = 0.5  # m, minimum height of a path for a comparison of heights
 STEP = 0.1  # s
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare with the original; nothing here is random, so `effort` changes nothing."""
+    """Compare with GRF; the paths are not random, so `effort` has no effect."""
     rows = []
     for name, theirs in their_paths().items():
         ours = our_path(name, theirs)
@@ -46,9 +47,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def their_paths() -> dict[str, np.ndarray]:
-    """Return the original's paths by name: `[T, 4]`, m from the beginning, m of height, m/s in the plane, m/s
-    upwards.
-    """
+    """Return GRF's paths by name, `[T, 4]`: distance in m, height in m, speed in the plane and upwards in m/s."""
     paths: dict[str, list[list[float]]] = {}
     for row in read_data("ball_paths"):
         paths.setdefault(row["path"], []).append([float(row[name]) for name in ("away", "height", "speed", "rise")])
@@ -56,7 +55,7 @@ def their_paths() -> dict[str, np.ndarray]:
 
 
 def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
-    """Return our path of this name `[T, 4]`, begun like the original's."""
+    """Return our path of this name `[T, 4]`, with the same start as GRF's."""
     matches = np.zeros(1, MATCH).view(np.recarray)
     ball = matches["ball"]
     ball["z"], ball["vx"], ball["vz"] = theirs[0, 1:]
@@ -69,7 +68,7 @@ def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
 
 
 def spin_of(name: str, speed: float) -> float:
-    """Return the spin in m/s that a kick of this kind and speed in m/s gives."""
+    """Return the spin in m/s from a kick of this kind and speed in m/s."""
     if name == "shot":
         return CURL.spin
     return (FLIGHT.high_spin if name.startswith("high") else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)
@@ -77,7 +76,7 @@ def spin_of(name: str, speed: float) -> float:
 
 @kernel
 def roll_on(matches):
-    """Let the ball of the first match move on by a step, untouched."""
+    """Advance the ball of the first match by one step, untouched."""
     for _ in range(FRAMES):
         advance_ball(matches[0].ball)
 

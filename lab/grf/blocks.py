@@ -1,4 +1,4 @@
-"""Shots past a lone back: how often the back stops them, or wins the ball before, in drawn scenes.
+"""Shots past a lone back in drawn scenes: how often does the back stop them, or win the ball before the kick?
 
 Read next: `grf.report`.
 """
@@ -22,20 +22,21 @@ from regista.experiments.transfer.episodes import Episodes
 
 TITLE = "shots past a lone back"
 REQUIRED = 1.0
-EPISODES = 16  # of each scene; the original has 4
+EPISODES = 16  # of each scene; GRF has 4
 LASTS = 22  # steps
-WAITS = 8  # steps after the button in which the ball is kicked, or it is not
-KICKED = 4.0  # m/s by which it is faster then
-ONWARD = 12.0  # m/s forward, faster it has passed the back
-BEHIND = 0.012  # of the original's units, from the striker to the ball
+WAITS = 8  # steps after the shot action in which the ball may be kicked
+KICKED = 4.0  # m/s of extra speed in the step of a kick
+ONWARD = 12.0  # m/s forward; a faster ball has passed the back
+BEHIND = 0.012  # in GRF's units, from the striker to the ball
 TOLERANCES = {"stopped": 0.06, "past": 0.12}  # share of episodes
 NAMES = {"stopped": "stopped", "past": "gets past"}
 
 
 @dataclass(frozen=True)
 class Shooting:
-    """A drawn scene, the step in which shot is pressed, and in what shares of the original's episodes the shot is
-    stopped and gets past the back; in the others there is none.
+    """A drawn scene, the step of the shot action, and GRF's shares of episodes with a stopped shot and a passed back.
+
+    The other episodes have no shot.
     """
 
     number: int
@@ -45,7 +46,7 @@ class Shooting:
     past: float
 
     def play(self) -> Episodes:
-        """Play it in our simulator."""
+        """Play the scene in our simulator."""
         keys = np.full(LASTS, IDLE)
         keys[0], keys[self.pressed] = DIRECTION_RIGHT, SHOT
         seeds = EPISODES * self.number + np.arange(EPISODES)
@@ -62,7 +63,7 @@ def shootings() -> Iterator[Shooting]:
 
 
 def what_becomes(episodes: Episodes, pressed: int) -> tuple[float, float]:
-    """Return in what shares of the episodes a shot asked for in step `pressed` is stopped, and gets past the back."""
+    """Return the shares of episodes in which a shot requested in step `pressed` is stopped, and gets past the back."""
     found = [
         _outcome(ball[: length + 1], pressed) for ball, length in zip(episodes.ball, episodes.lengths, strict=True)
     ]
@@ -70,7 +71,7 @@ def what_becomes(episodes: Episodes, pressed: int) -> tuple[float, float]:
 
 
 def _outcome(ball: np.ndarray, pressed: int) -> str:
-    """Return what becomes of the shot in an episode, whose ball [T + 1, 3] is known."""
+    """Return the outcome of the shot in an episode with ball positions [T + 1, 3]."""
     velocity = np.diff(ball[:, :2], axis=0) / STEP
     speed = np.linalg.norm(velocity, axis=1)
     for step in range(max(pressed, 1), min(len(speed), pressed + WAITS + 1)):
@@ -80,7 +81,7 @@ def _outcome(ball: np.ndarray, pressed: int) -> str:
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare how often shots are stopped and get past; `effort` below 1 plays fewer of the scenes."""
+    """Compare how often shots are stopped and get past; `effort` below 1 plays fewer scenes."""
     ours, theirs = found(effort)
     return [
         by_distance(
@@ -91,7 +92,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def found(effort: float) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Play every scene, or with less effort some; return the shares of ours and of the original's, `[S]` of each."""
+    """Play every scene, or fewer with less effort; return the shares of our simulator and of GRF, `[S]` of each."""
     every = max(round(1.0 / effort), 1)
     chosen = [shooting for shooting in shootings() if shooting.number % every == 0]
     ours = np.array([what_becomes(shooting.play(), shooting.pressed) for shooting in chosen])
@@ -100,7 +101,7 @@ def found(effort: float) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw the shares of both engines, the scenes ordered by the original's."""
+    """Draw the shares of both engines, with the scenes in the order of GRF's shares."""
     ours, theirs = found(effort)
     panels = []
     for name, there in theirs.items():

@@ -1,6 +1,6 @@
-"""Backs and chasers: where built-in players run while a carrier runs on, in drawn scenes without anybody else.
+"""Backs and chasers: where built-in players run while a carrier runs on, in drawn scenes without other players.
 
-In some a lone back stands before the carrier, in the others one to three players are beside and behind the carrier.
+In some scenes a lone back stands in front of the carrier; in the others one to three players are beside and behind.
 Read next: `grf.report`.
 """
 
@@ -24,21 +24,23 @@ from regista.experiments.transfer.episodes import Episodes
 
 TITLE = "backs and chasers"
 REQUIRED = 1.0
-EPISODES = 4  # of each scene, as in the original
-LEAST = 2  # of them that go on for so long: else the place is not known
-STEPS = {"early": 8, "middle": 16, "late": 25}  # what the columns are called, and after how many steps
+EPISODES = 4  # of each scene, as in GRF
+LEAST = 2  # episodes that last long enough; with fewer, the position is unknown
+STEPS = {"early": 8, "middle": 16, "late": 25}  # names of the columns, and the steps after which positions are compared
 TOLERANCES = {"early": 0.5, "middle": 0.7, "late": 0.9}  # m
-LASTS = 40  # steps, in which it is looked at who has the ball in the end
-LOST = 0.075  # share of episodes, by which carriers may lose it more or less often
-BEHIND = 0.02  # of the original's units, from the carrier to the ball
+LASTS = 40  # steps until the final possession is compared
+LOST = 0.075  # tolerance of the share of episodes in which the carrier loses the ball
+BEHIND = 0.02  # in GRF's units, from the carrier to the ball
 KINDS = {"a lone back": range(100, 300), "chasers": range(100)}  # by the scene's number
 FIRST = 3  # index of the first runner: both keepers and the carrier come first
 
 
 @dataclass(frozen=True)
 class Chase:
-    """A drawn scene, the carrier's keys `[LASTS]`, where the original's R runners are, by the name of `STEPS`, nan: not
-    known, and the share of its episodes in which they have the ball in the end.
+    """A drawn scene, the carrier's actions `[LASTS]`, and GRF's results.
+
+    `places` has the positions of GRF's R runners by the name of `STEPS`, nan if unknown; `lost` is the share of GRF's
+    episodes in which the runners have the ball at the end.
     """
 
     number: int
@@ -48,12 +50,12 @@ class Chase:
     lost: float
 
     def play(self) -> Episodes:
-        """Play it in our simulator."""
+        """Play the scene in our simulator."""
         seeds = EPISODES * self.number + np.arange(EPISODES)
         return play_seeds(program_text(self.scene), self.keys, seeds, OURS)
 
     def compare(self) -> Found:
-        """Play it and compare."""
+        """Play the scene and compare."""
         ours = self.play()
         apart = {
             name: np.linalg.norm(mean_places(ours, step) - self.places[name], axis=1) for name, step in STEPS.items()
@@ -63,9 +65,7 @@ class Chase:
 
 @dataclass(frozen=True)
 class Found:
-    """How far in m ours are in the mean from the original's, `[R]` by the name of `STEPS`; how often either has the
-    ball.
-    """
+    """Mean distance in m of our runners from GRF's, `[R]` by the name of `STEPS`; the shares of lost balls in both."""
 
     apart: dict[str, np.ndarray]
     lost: float
@@ -73,7 +73,7 @@ class Found:
 
 
 def mean_places(episodes: Episodes, step: int) -> np.ndarray:
-    """Return where the runners are after a step, `[R, 2]` m: the mean of the episodes that go on for as long."""
+    """Return the mean positions of the runners after a step, `[R, 2]` m, over the episodes that last as long."""
     there = episodes.lengths >= step
     runners = episodes.places[:, min(step, episodes.places.shape[1] - 1), FIRST:]
     return runners[there].mean(0) if there.sum() >= LEAST else np.full(runners.shape[1:], np.nan)
@@ -97,9 +97,7 @@ def chases() -> Iterator[Chase]:
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare how far ours are from where the original's are, and who has the ball in the end; `effort` below 1 plays
-    fewer of the scenes.
-    """
+    """Compare the positions of runners with GRF's, and the final possession; `effort` below 1 plays fewer scenes."""
     rows = []
     for kind, found in found_by_kind(effort).items():
         for name, step in STEPS.items():
@@ -114,19 +112,19 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def found_by_kind(effort: float) -> dict[str, list[Found]]:
-    """Play every scene, or with less effort some, and return what was found by the kind of runners."""
+    """Play every scene, or fewer with less effort; return the results by kind of runners."""
     every = max(round(1.0 / effort), 1)
     chosen = [chase for chase in chases() if chase.number % every == 0]
     return {kind: [chase.compare() for chase in chosen if chase.number in of] for kind, of in KINDS.items()}
 
 
 def together(found: Iterable[Found], name: str) -> np.ndarray:
-    """Return how far in m all runners are from the original's at one of `STEPS`."""
+    """Return the distances in m of all runners from GRF's at one of `STEPS`."""
     return np.concatenate([one.apart[name] for one in found])
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw how far all runners are from where the original's are, the nearest first."""
+    """Draw the distances of all runners from GRF's, in ascending order."""
     panels = []
     for kind, found in found_by_kind(effort).items():
         for name, step in STEPS.items():

@@ -1,9 +1,9 @@
-"""A randomized differential test: drawn scenes with equal actions in our simulator and in the real engine.
+"""A randomized differential test: drawn scenes with equal actions in our simulator and in GRF.
 
-Both play each scene with several seeds of its own. The distance of an episode of ours from one of the engine's is
-reported beside the distance of two of the engine's own; a simulator that always does the middle thing can come below
-that, so laws of chance are judged by the energy distance, which is 0 only for one that draws as the engine does. Read
-next: `grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
+Both engines play each scene with several seeds. The distance between an episode of ours and one of GRF is reported
+beside the distance between two episodes of GRF. A simulator that always plays the average outcome can fall below that
+distance. The energy distance therefore judges random outcomes: it is 0 only for a simulator with GRF's distribution.
+Read next: `grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations
@@ -36,44 +36,46 @@ SCENES, SEEDS = 200, 4  # at effort 1; seeds in either engine
 OURS = FootballConfig("simple115", control="active")
 LOOKED_AT = (10, 20, 40)  # steps
 AGREEMENT = 0.1  # share of pairs of endings
-DISTANCE = 0.5  # a factor of 1.5
-WORST = 10  # scenes that are listed
+DISTANCE = 0.5  # tolerance: a factor of 1.5
+WORST = 10  # number of scenes listed
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A drawn scene as both engines have played it, E episodes each."""
+    """A drawn scene played in both engines, E episodes each."""
 
     drawn: DrawnScene
     ours: Episodes
     grf: Episodes
 
     def agreement(self, limit: bool = False) -> float:
-        """Return the share of pairs of episodes, of both or of the engine's own, that ended alike."""
+        """Return the share of pairs of episodes with the same ending; `limit`: pairs within GRF, not across engines."""
         first, second = self._sides(limit)
         same = first.endings()[:, None] == second.endings()[None, :]
         return _mean(same.astype(float), _others(same.shape, limit))
 
     def apart(self, step: int, what: str, limit: bool = False) -> float:
-        """Return how far apart, in m, pairs of episodes have the "ball", or the "players" on average, after a step.
+        """Return the mean distance in m of the "ball" or the "players" in pairs of episodes after a step.
 
-        Pairs of which one has ended before do not count; nan where none is left.
+        Pairs with an episode that has ended before do not count; the result is nan if no pair is left.
         """
         return _apart(*self._sides(limit), step, what)
 
     def energy(self, step: int, what: str) -> float:
         """Return the energy distance of both engines' "ball" or "players" after a step, in m.
 
-        It is the mean distance of both less half of that within each, over pairs of different episodes: half of
-        2 E|X - Y| - E|X - X'| - E|Y - Y'| of Székely & Rizzo, Energy statistics, J. Stat. Plan. Inference 143 (2013).
-        Its mean over scenes is 0 where both draw alike; that of one scene may be negative.
+        It is the mean distance between engines minus half of the distances within each, over pairs of different
+        episodes. This is half of 2 E|X - Y| - E|X - X'| - E|Y - Y'| of Székely & Rizzo, Energy statistics, J. Stat.
+        Plan. Inference 143 (2013). Its mean over scenes is 0 if both have the same distribution; the value of a single
+        scene may be negative.
         """
         within = [_apart(side, side, step, what) for side in (self.ours, self.grf)]
         return self.apart(step, what) - 0.5 * sum(within)
 
     def badness(self) -> float:
-        """Return by how many m ball and players are farther apart than the engine's own, at the worst, plus 10 m if no
-        ending agrees that agrees there.
+        """Return the largest excess in m of the distance between engines over that within GRF, of ball and players.
+
+        A smaller agreement of endings than within GRF adds up to 10 m.
         """
         excess = [
             self.apart(step, what) - self.apart(step, what, limit=True)
@@ -84,7 +86,7 @@ class Pair:
         return max(known, default=0.0) + 10.0 * max(self.agreement(True) - self.agreement(), 0.0)
 
     def line(self) -> list[str]:
-        """Return a row of the table of the worst."""
+        """Return a row of the table of the worst scenes."""
         places = []
         for what in ("ball", "players"):
             both, own = (self.apart(20, what, limit) for limit in (False, True))
@@ -93,7 +95,7 @@ class Pair:
         return [self.drawn.name, self.drawn.sides, *places, *counts]
 
     def painter(self) -> FootballPainter:
-        """Return what draws it."""
+        """Return the painter of the scene."""
         return FootballPainter(Lineup(load(program_text(self.drawn.scene), FOOTBALL)))
 
     def _sides(self, limit: bool) -> tuple[Episodes, Episodes]:
@@ -108,7 +110,7 @@ def play_scenes(
 ) -> Iterator[Pair]:
     """Play drawn scenes in our simulator and in the engine of another configuration.
 
-    Raises `regista.envs.grf.workers.GrfError` for the real engine where it is not installed.
+    Raises `regista.envs.grf.workers.GrfError` if GRF is requested but not installed.
     """
     for number, drawn in enumerate(scenes):
         program = program_text(drawn.scene)
@@ -130,7 +132,7 @@ def play_seeds(program: str, keys: np.ndarray, seeds: np.ndarray, config: Footba
 
 
 def compare(pairs: Sequence[Pair]) -> list[Row]:
-    """Return what the scenes say: medians over them of what pairs of episodes say of each."""
+    """Return the comparison: medians over scenes of the mean over pairs of episodes."""
     rows = [
         by_distance(
             "differential",
@@ -151,7 +153,7 @@ def compare(pairs: Sequence[Pair]) -> list[Row]:
 def energies(pairs: Sequence[Pair]) -> dict[str, tuple[float, float]]:
     """Return the energy distance by "ball_10" .. "players_40", in m: its mean over scenes, and the standard error.
 
-    Both are nan where too few scenes go on for as long.
+    Both are nan if too few scenes last as long.
     """
     distances = {}
     for what in ("ball", "players"):
@@ -171,7 +173,7 @@ def energy_table(pairs: Sequence[Pair]) -> list[list[str]]:
 
 
 def worst(pairs: Sequence[Pair], count: int = WORST) -> list[Pair]:
-    """Return the scenes that are most unlike, the worst first."""
+    """Return the least similar scenes, the worst first."""
     return sorted(pairs, key=Pair.badness, reverse=True)[:count]
 
 
@@ -209,9 +211,9 @@ def as_json(pairs: Sequence[Pair]) -> list[dict[str, Any]]:
 
 
 def show(folder: Path, pairs: Sequence[Pair]) -> None:
-    """Write into a folder how far apart both are over time, and the worst scenes: programs, and a recording.
+    """Write a figure of the distances over time, and the worst scenes as programs and as a recording, to a folder.
 
-    Raises CommandError if it cannot be written.
+    Raises CommandError if writing fails.
     """
     from regista.experiments.pictures.side_by_side import record_side_by_side
 
@@ -228,7 +230,7 @@ def show(folder: Path, pairs: Sequence[Pair]) -> None:
 
 
 def figure(path: Path, pairs: Sequence[Pair]) -> None:
-    """Draw how far apart ball and players are, over time."""
+    """Draw the distances of ball and players over time."""
     steps = range(0, STEPS, 2)
     panels = []
     for what in ("ball", "players"):
@@ -238,7 +240,7 @@ def figure(path: Path, pairs: Sequence[Pair]) -> None:
 
 
 def _apart(first: Episodes, second: Episodes, step: int, what: str) -> float:
-    """Return `Pair.apart` of two sets of episodes, or of the different ones of one set."""
+    """Return `Pair.apart` of two sets of episodes, or of different episodes of one set."""
     one, other = (side.places if what == "players" else side.ball[:, :, None, :2] for side in (first, second))
     if step >= min(one.shape[1], other.shape[1]):
         return np.nan
@@ -248,7 +250,7 @@ def _apart(first: Episodes, second: Episodes, step: int, what: str) -> float:
 
 
 def _others(shape: tuple[int, ...], limit: bool) -> np.ndarray:
-    """Return which pairs count: all, or of one set of episodes those of two different ones."""
+    """Return which pairs count: all of them, or within one set only pairs of different episodes."""
     return np.eye(shape[0]) == 0 if limit else np.ones(shape, bool)
 
 

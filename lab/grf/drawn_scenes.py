@@ -1,4 +1,4 @@
-"""Scenes and keys drawn at random, each to be had again by its name: "0:17" is number 17 of seed 0.
+"""Scenes and actions drawn at random and reproducible by name: "0:17" is number 17 of seed 0.
 
 Read next: `grf.differential`, which plays them.
 """
@@ -31,9 +31,9 @@ from regista.envs.football.constants import (
 from regista.envs.football.scenic.lineup import ROLES
 
 STEPS = 60
-SIDES = (3, 6, 11)  # players of a team at most: one of these, drawn as often as the others
+SIDES = (3, 6, 11)  # maximum number of players in a team, drawn uniformly
 FORWARD = (DIRECTION_TOP_RIGHT, DIRECTION_RIGHT, DIRECTION_BOTTOM_RIGHT)
-# What is pressed, how often, for how many steps at most, and how many steps follow without a key, at least and at most
+# Actions, their share, maximum steps of a press, and minimum and maximum steps without an action afterwards
 HABITS = (
     ((*range(1, 9), *FORWARD * 3), 0.55, 1, (2, 13)),
     ((SPRINT,), 0.17, 1, (0, 4)),
@@ -45,7 +45,7 @@ HABITS = (
 
 @dataclass(frozen=True)
 class DrawnScene:
-    """A scene, and the keys `[T]` that its active player presses."""
+    """A scene, and the actions `[T]` of its active player."""
 
     name: str
     scene: Scene
@@ -56,16 +56,16 @@ class DrawnScene:
         return f"{len(self.scene.left)} v {len(self.scene.right)}"
 
     def seeds(self, engine: int, count: int) -> np.ndarray:
-        """Draw seeds for episodes of this scene in one of several engines (from 1), each scene's its own.
+        """Draw seeds for episodes of this scene in one of several engines (from 1); each scene has its own seeds.
 
-        With the same for all scenes, luck would not average out over them.
+        With the same seeds in all scenes, random errors would not average out over scenes.
         """
         rng = np.random.default_rng([*_numbers(self.name), engine])
         return rng.integers(0, 2**63, count, dtype=np.uint64)
 
 
 def draw_scene(name: str, steps: int = STEPS) -> DrawnScene:
-    """Draw the scene of a name. Raises ValueError for a name that is none."""
+    """Draw the scene of a name. Raises ValueError for an invalid name."""
     rng = np.random.default_rng(_numbers(name))
     x, y = rng.uniform(-0.2, 0.85), rng.uniform(-0.35, 0.35)
     carrier = (_role(rng), x - 0.02, y)
@@ -82,11 +82,11 @@ def _numbers(name: str) -> list[int]:
 
 
 def program_text(scene: Scene, jitter: float = 0.0, **settings: float) -> str:
-    """Return a scene as a Scenic program: players where the engine puts them, keepers on their lines.
+    """Return a scene as a Scenic program: players at the engine's positions, keepers on their lines.
 
-    With a `jitter`, in m, every player stands up to so far from the given place in x and in y, each drawn for every
-    level; the ball moves with the left player nearest to it. Its episodes have as many steps as the original's, one
-    more than its `game_duration` says, and end as an academy's do, where `settings` of a match say nothing else.
+    With a `jitter` in m, every player stands up to this distance from the given position in x and in y, drawn for every
+    level; the ball moves with the nearest left player. Episodes have as many steps as GRF's: one more than the
+    `game_duration` of the scenario. They end like those of the academy, unless `settings` of a match say otherwise.
     """
     usual = {"game_duration": scene.duration + 1, "offsides": False} | {
         f"end_episode_on_{what}": True for what in ("score", "out_of_play", "possession_change")
@@ -105,12 +105,12 @@ def program_text(scene: Scene, jitter: float = 0.0, **settings: float) -> str:
 
 
 def _spot(x: float, y: float, side: int) -> tuple[float, float]:
-    """Return a player's place in the units of a program; `side` is -1 for the right team."""
+    """Return a player's position in the units of a program; `side` is -1 for the right team."""
     return 100 * side * x * STRETCH[0], 100 * side * -y * STRETCH[1]
 
 
 def _spelled(spot: tuple[float, float], jitter: float) -> str:
-    """Return a place as the program has it, drawn where there is a jitter."""
+    """Return a position in the syntax of a program, random if there is a jitter."""
     axes = [
         f"Range({middle - off:.12g}, {middle + off:.12g})" if jitter else f"{middle:.12g}"
         for middle, off in zip(spot, (100 * jitter / METRES_X, 100 * jitter / METRES_Y), strict=True)
@@ -119,7 +119,7 @@ def _spelled(spot: tuple[float, float], jitter: float) -> str:
 
 
 def _ball(ball: tuple[float, float], left: Sequence[tuple[float, float]], jitter: float) -> str:
-    """Return the place of the ball, with a jitter as far from the nearest of the left players as in the scene."""
+    """Return the ball's position; with a jitter, its offset from the nearest left player is that of the scene."""
     if not jitter:
         return _spelled(ball, 0.0)
     far = [np.hypot((x - ball[0]) * METRES_X, (y - ball[1]) * METRES_Y) for x, y in left]
@@ -129,7 +129,7 @@ def _ball(ball: tuple[float, float], left: Sequence[tuple[float, float]], jitter
 
 
 def _team(rng: np.random.Generator, x: float, spread: tuple[float, float], there: int) -> Players:
-    """Draw the players of a team but for those who are there, in the left team's frame about the ball's x."""
+    """Draw the players of a team except for `there` existing ones, in the left team's frame about the ball's x."""
     size = int(rng.integers(2, rng.choice(SIDES) + 1))
     return tuple(
         (_role(rng), float(np.clip(x + rng.uniform(*spread), -0.9, 0.95)), float(rng.uniform(-0.38, 0.38)))
@@ -138,7 +138,7 @@ def _team(rng: np.random.Generator, x: float, spread: tuple[float, float], there
 
 
 def _role(rng: np.random.Generator) -> int:
-    """Draw a role that is not the keeper's."""
+    """Draw a role other than keeper."""
     return int(rng.integers(1, 10))
 
 

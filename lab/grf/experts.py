@@ -1,7 +1,7 @@
-"""Semi-expert programs in both engines: what they score in ours and in the real one, and what is published of them.
+"""Semi-expert programs in both engines: their goal rates in our simulator and in GRF, and the published rates.
 
-A program of one agent is played by one agent, `active`, which does what the behavior of its player says; one of a team
-moves every player that has a behavior: all have agents, as in the original. The rest is the built-in AI's. Read next:
+A single-agent program controls the `active` player, which follows the behavior of the program's player. A team program
+moves every player with a behavior: all are agents, as in GRF. The built-in AI moves the other players. Read next:
 `minigames/experts`, the programs.
 """
 
@@ -24,7 +24,7 @@ from regista.minigames.published import find_published
 from regista.minigames.suites import BENCHMARK, HERE
 from ued.statistics import spearman
 
-EPISODES = 50  # in either engine, at effort 1
+EPISODES = 50  # in each engine, at effort 1
 OURS = FootballConfig(control="active")
 SEED = 0
 PAIRS = (("ours", "grf"), ("ours", "published"), ("grf", "published"))
@@ -32,7 +32,7 @@ PAIRS = (("ours", "grf"), ("ours", "published"), ("grf", "published"))
 
 @dataclass(frozen=True)
 class Expert:
-    """A program, and the original's goal rate in so many episodes, if that is known."""
+    """A program, and GRF's goal rate over `episodes` episodes (None if the number is unknown)."""
 
     name: str
     is_team: bool
@@ -42,7 +42,7 @@ class Expert:
 
 @dataclass(frozen=True)
 class Found:
-    """What became of a program's episodes in both engines."""
+    """A program's episodes in both engines."""
 
     expert: Expert
     ours: Episodes
@@ -57,7 +57,7 @@ class Found:
         }
 
     def counted(self) -> dict[str, Counted]:
-        """Return goals and episodes, of what is published only where episodes were counted."""
+        """Return goals and episodes; published ones only if the number of episodes is known."""
         counts = {name: Counted(int(episodes.scored.sum()), len(episodes)) for name, episodes in self._both().items()}
         if self.expert.episodes is not None:
             goals = round(self.expert.published * self.expert.episodes)
@@ -73,7 +73,7 @@ class Found:
         return [self.expert.name, agents, rates["ours"], rates["grf"], rates["published"], *lengths]
 
     def numbers(self) -> dict[str, Any]:
-        """Return all of it as JSON can hold it."""
+        """Return all numbers in a form that JSON supports."""
         intervals = {name: goal_rate([count])._asdict() for name, count in self.counted().items()}
         lengths = {f"median_length_{name}": float(np.median(side.lengths)) for name, side in self._both().items()}
         return {"program": self.expert.name, "team": self.expert.is_team, **self.rates(), **lengths} | {
@@ -85,7 +85,7 @@ class Found:
 
 
 def experts() -> list[Expert]:
-    """Return the programs, with what is published of them; those of one agent first."""
+    """Return the programs with their published goal rates, single-agent programs first."""
     return [*_experts_of("expert"), *_experts_of("team_expert")]
 
 
@@ -101,7 +101,7 @@ def play_experts(
 ) -> Iterator[Found]:
     """Play programs in our simulator and in the engine of another configuration.
 
-    Raises `regista.envs.grf.workers.GrfError` for the real engine where it is not installed.
+    Raises `regista.envs.grf.workers.GrfError` if GRF is requested but not installed.
     """
     for number, expert in enumerate(chosen):
         yield Found(expert, *(play_expert(expert, config, episodes) for config in (OURS, other)))
@@ -109,7 +109,7 @@ def play_experts(
 
 
 def play_expert(expert: Expert, config: FootballConfig, episodes: int, seed: int = SEED) -> Episodes:
-    """Play so many episodes of a program, each on a level of its own, drawn by the seed."""
+    """Play `episodes` episodes of a program, each on a different level drawn with the seed."""
     count = min(episodes, TEST_ENVS[config.engine])
     if expert.is_team:
         config = replace(config, control="all")
@@ -129,7 +129,7 @@ def table(experts: Sequence[Found]) -> list[list[str]]:
 
 
 def correlations(experts: Sequence[Found]) -> dict[str, float]:
-    """Return Spearman's rank correlations of the goal rates over the programs; nan of fewer than two."""
+    """Return Spearman's rank correlations of the goal rates over the programs; nan for fewer than two programs."""
     rates = [expert.rates() for expert in experts]
     return {
         f"{one}, {other}": spearman([rate[one] for rate in rates], [rate[other] for rate in rates])

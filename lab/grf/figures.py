@@ -1,4 +1,4 @@
-"""Pictures of comparisons: small panels, each with a curve or points of ours and the original's.
+"""Pictures of comparisons: small panels, each with a curve or points of our simulator and of GRF.
 
 Matplotlib is imported when a picture is drawn. Read next: a family, which fills the panels.
 """
@@ -27,13 +27,13 @@ POINTS: dict[str, dict[str, Any]] = {
     GRF: {"color": COLORS[GRF], "markersize": 4.5, "markerfacecolor": "none", **POINT},
     OURS: {"color": COLORS[OURS], "markersize": 2.5, **POINT},
 }
-SHARE = "share"  # on the vertical axis of rates
-HEAD, FOOT = 0.3, 0.3  # inches of a figure, for its title and its legend
+SHARE = "share"  # label of the vertical axis of rates
+HEAD, FOOT = 0.3, 0.3  # inches, for the title and the legend of a figure
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One small picture: x and y of the original's curve and of ours; with `points`, dots instead of lines."""
+    """One small picture: x and y of GRF's curve and of ours; with `points`, dots instead of lines."""
 
     title: str
     grf: tuple[npt.ArrayLike, npt.ArrayLike]
@@ -65,12 +65,12 @@ def draw_panels(path: Path, title: str, panels: Sequence[Panel], columns: int = 
             axes.set_visible(False)
         figure.suptitle(title, x=0.02, ha="left")
         figure.legend(handles=_handles(panels), loc="lower center", ncols=4)
-        figure.tight_layout(rect=(0, FOOT / height, 1, 1))  # it leaves room for the title
+        figure.tight_layout(rect=(0, FOOT / height, 1, 1))  # leaves room for the title
         save(figure, path)
 
 
 def _handles(panels: Sequence[Panel]) -> list[Any]:
-    """Return the handles of a legend: both simulators, as lines or points as the panels have them."""
+    """Return the handles of a legend: both simulators, as lines or points like in the panels."""
     from matplotlib.lines import Line2D
 
     kinds = [marks for marks, points in ((LINES, False), (POINTS, True)) if points in {row.points for row in panels}]

@@ -1,8 +1,8 @@
-"""The built-in goalkeeper: saves, where the ball goes afterwards, and what follows a catch.
+"""The built-in goalkeeper: saves, rebounds, and play after a catch.
 
-Goal rates are compared by time to the line and gap (2400 random shots at full effort; 800 of the original's), the
-table of single positions by its means: a position is locked to the phase of a few animations, in the original.
-Read next: `grf.report`.
+Goal rates are compared by time to the line and gap (2400 random shots at full effort; 800 of GRF). The table of single
+positions is compared by its means: in GRF, a position is locked to the phase of a few animations. Read next:
+`grf.report`.
 """
 
 from __future__ import annotations
@@ -50,38 +50,38 @@ TIMES = ((0.0, 0.35), (0.35, 0.45), (0.45, 0.55), (0.55, 0.65), (0.65, 9.0))  # 
 GAPS = ((0.0, 1.0), (1.0, 2.0), (2.0, 4.0))  # m from the keeper to the line of the shot
 DIRECTIONS = (IDLE, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_TOP, DIRECTION_BOTTOM)
 SHOTS_X, SHOTS_Y = (0.70, 0.75, 0.80, 0.85), (-0.12, -0.06, 0.0, 0.06, 0.12)
-AFTERWARDS = 70  # steps in which the ball is goal, held, or loose
-SLOWEST = 3.0  # s to the line, of what is still a shot
-KICKED = 8.0  # m/s, from here on the ball has left the foot
+AFTERWARDS = 70  # steps in which the ball becomes a goal, is held, or stays loose
+SLOWEST = 3.0  # s to the line, maximum for a shot
+KICKED = 8.0  # m/s from which the ball has left the foot
 DUEL = Roster([LEFT, LEFT, RIGHT], [CF, GK, GK])
 FAR = (-1.0, 0.0)  # the strikers' own keeper
-SQUAD = Roster([LEFT] * 4 + [RIGHT] * 5, [CF, GK, CM, CM, GK, CB, CB, CM, CM])  # with mates, some way behind
+SQUAD = Roster([LEFT] * 4 + [RIGHT] * 5, [CF, GK, CM, CM, GK, CB, CB, CM, CM])  # with teammates some way behind
 SQUAD_PLACES = (FAR, (0.3, 0.2), (0.3, -0.2), (1.0, 0.0), (0.5, -0.25), (0.5, 0.25), (0.1, -0.1), (0.0, 0.1))
 
 
 @dataclass(frozen=True)
 class Shots:
-    """What N shots were when the ball had left the foot, and what became of them."""
+    """State of N shots when the ball left the foot, and their outcomes."""
 
     time: np.ndarray  # [N], s to the goal line
     gap: np.ndarray  # [N], m from the keeper to the line of the shot
     height: np.ndarray  # [N], m at the line
     on_target: np.ndarray  # [N]
     goal: np.ndarray  # [N]
-    held: np.ndarray  # [N], the keeper's afterwards
+    held: np.ndarray  # [N], whether the keeper has the ball afterwards
     out: np.ndarray  # [N], play stopped
     distance: np.ndarray  # [N], m from the middle of the goal
-    rebound: np.ndarray  # [N], team whose the ball was next after a save, -1 nobody's
+    rebound: np.ndarray  # [N], team that next has the ball after a save, -1 none
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare with the original; `effort` scales the number of shots."""
+    """Compare with GRF; `effort` scales the number of shots."""
     shots = random_shots(max(int(SHOTS * effort), 50))
     return [*goal_rates(shots), *odds_rows(shots), *rebound_rows(shots), *position_rows(effort), *catch_rows(effort)]
 
 
 def random_shots(n: int, seed: int = 0) -> Shots:
-    """Let strikers at random places near the goal press a direction, then shoot once."""
+    """Let strikers at random positions near the goal choose a direction, then shoot once."""
     rng = np.random.default_rng(seed)
     x, y = rng.choice(SHOTS_X, n), rng.choice(SHOTS_Y, n, p=(0.19, 0.2, 0.22, 0.2, 0.19))
     keys = np.stack([rng.choice(DIRECTIONS, n), np.full(n, SHOT)])
@@ -91,7 +91,7 @@ def random_shots(n: int, seed: int = 0) -> Shots:
 def shoot(
     strikers: np.ndarray, keys: np.ndarray, roster: Roster, others: tuple, difficulty: float = 0.6, seed: int = 0
 ) -> Shots:
-    """Let strikers at `[N, 2]` press `keys` `[T, N]`, then nothing, against the built-in keeper; watch for 7 s."""
+    """Let strikers at `[N, 2]` take actions `keys` `[T, N]`, then none, against the built-in keeper; watch for 7 s."""
     n = len(strikers)
     places = np.concatenate([strikers[:, None], np.broadcast_to(others, (n, *np.shape(others)))], axis=1)
     config = MatchConfig(**{**vars(OPEN_END), "right_team_difficulty": difficulty})
@@ -104,7 +104,7 @@ def shoot(
 
 
 def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
-    """Find in a trace when the ball left the foot, where it would have crossed the line, and how it ended."""
+    """Find in a trace when the ball left the foot, where it would have crossed the line, and the outcome."""
     speed = np.linalg.norm(trace.ball_velocity[:, :, :2], axis=-1)
     launch = np.maximum(np.argmax(speed > KICKED, axis=0), 1)
     match = np.arange(len(launch))
@@ -129,8 +129,9 @@ def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
 
 
 def cross_line(ball: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Return where and when `[N, 3]` (y in m, height in m, s) free balls cross the right goal line, 9 s if they do
-    not.
+    """Return where and when free balls cross the right goal line, `[N, 3]`: y in m, height in m, time in s.
+
+    The time is 9 s for balls that do not cross it.
     """
     stage = Stage([(0.0, 0.0)], (0.0, 0.0), Roster([LEFT], [CF]), n=len(ball))
     for axis, name in enumerate("xyz"):
@@ -142,7 +143,7 @@ def cross_line(ball: np.ndarray, velocity: np.ndarray) -> np.ndarray:
 
 @kernel
 def fly_to_line(matches, result):
-    """Let each match's ball fly on to the goal line; write where and when it is there."""
+    """Let each match's ball fly on to the goal line; write the position and time of arrival."""
     for e in range(len(matches)):
         ball, time = matches[e].ball, 0.0
         while ball.x < HALF_LENGTH - 0.2 and ball.vx > 0.5 and time < 9.0:
@@ -154,7 +155,7 @@ def fly_to_line(matches, result):
 
 
 def cell(shots: Shots, time: tuple[float, float], gap: tuple[float, float]) -> np.ndarray:
-    """Return which shots on target were so long under way and passed so far from the keeper."""
+    """Return which shots on target have a time to the line and a gap to the keeper in these ranges."""
     in_time = (shots.time >= time[0]) & (shots.time < time[1])
     return shots.on_target & in_time & (shots.gap >= gap[0]) & (shots.gap < gap[1])
 
@@ -173,7 +174,7 @@ def goal_rates(shots: Shots) -> list[Row]:
 
 
 def odds_rows(shots: Shots) -> list[Row]:
-    """Return the logistic fit of goals on target; each coefficient within three of the original's standard errors."""
+    """Return the logistic fit of goals on target; the tolerance of a coefficient is three of GRF's standard errors."""
     on = shots.on_target
     features = np.column_stack([np.ones(on.sum()), shots.time[on], shots.gap[on], shots.height[on]])
     fitted = fit_odds(features, shots.goal[on])
@@ -196,7 +197,7 @@ def fit_odds(features: np.ndarray, happened: np.ndarray) -> np.ndarray:
 
 
 def rebound_rows(shots: Shots) -> list[Row]:
-    """Return who has the ball after a save of a shot on target."""
+    """Return the team that has the ball after a save of a shot on target."""
     target = read_data("keeper_rebounds")[0]
     saved = shots.on_target & ~shots.goal & (shots.rebound >= 0)
     share = np.mean(shots.rebound[saved] == RIGHT)
@@ -204,9 +205,7 @@ def rebound_rows(shots: Shots) -> list[Row]:
 
 
 def position_rows(effort: float) -> list[Row]:
-    """Return what becomes of shots from the table's positions, in the mean over the positions, for each way to
-    shoot.
-    """
+    """Return the outcomes of shots from the table's positions, mean over the positions, for each way to shoot."""
     rows = []
     for way, keys, difficulty in (
         ("single press", (IDLE, SHOT), 0.6),
@@ -221,7 +220,7 @@ def position_rows(effort: float) -> list[Row]:
 
 
 def position_shares(way: str, keys: tuple, difficulty: float, n: int) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the mean shares over the positions that the original's table has for this way to shoot: ours, and its."""
+    """Return the mean outcome shares over the positions in GRF's table for this way to shoot: ours, and GRF's."""
     targets = [row for row in read_data("keeper_positions") if row["way"] == way]
     places = np.array([(float(row["x"]), float(row["y"])) for row in targets]).repeat(n, axis=0)
     shots = shoot(places, np.array(keys)[:, None].repeat(len(places), axis=1), DUEL, (FAR, (1.0, 0.0)), difficulty)
@@ -232,7 +231,7 @@ def position_shares(way: str, keys: tuple, difficulty: float, n: int) -> tuple[d
 
 
 def catch_rows(effort: float) -> list[Row]:
-    """Return what a keeper does with a caught ball: for how long it is held, how and how far it is played."""
+    """Compare what a keeper does with a caught ball: how long it is held, how fast and how far it is played."""
     ours = after_catch(max(int(100 * effort), 20))
     grf = read_data("keeper_catches")
     rows = []
@@ -243,7 +242,7 @@ def catch_rows(effort: float) -> list[Row]:
 
 
 def after_catch(n: int) -> dict[str, float]:
-    """Let strikers shoot once, then wait until the keeper has had the ball and has sent it away: medians."""
+    """Let strikers shoot once, then wait until the keeper has had the ball and has played it away; return medians."""
     places = np.array([(0.7, 0.0), *SQUAD_PLACES])
     stage = Stage(places, (0.71, 0.0), SQUAD, n=n)
     actions = np.full((160, len(places)), AI)
@@ -260,7 +259,7 @@ def after_catch(n: int) -> dict[str, float]:
 
 
 def catch(trace: Trace, e: int, gk: int) -> dict[str, float]:
-    """Return the first time that the keeper of match `e` had the ball and played it away, empty if there is none."""
+    """Return the first time that the keeper of match `e` had the ball and played it away; empty if it never did."""
     has = trace.owner[:, e] == gk
     if not has.any():
         return {}
@@ -278,7 +277,7 @@ def catch(trace: Trace, e: int, gk: int) -> dict[str, float]:
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw the goal rates over the time to the line, a panel per gap, and the shares of the positions."""
+    """Draw the goal rates over the time to the line, one panel per gap, and the shares of the positions."""
     shots = random_shots(max(int(SHOTS * effort), 50))
     targets = read_data("keeper_cells")
     panels = []

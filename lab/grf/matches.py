@@ -1,7 +1,7 @@
-"""Eleven against eleven, built-in players on both sides: goals, shots, passes, possession, restarts, ways run.
+"""Eleven against eleven, built-in players on both sides: goals, shots, passes, possession, restarts, running distances.
 
-What counts as a pass, a turnover or a shot is what counted in the original's matches: changes of the reported owner,
-and sudden speed of the ball towards the goal. Read next: `grf.report`.
+Passes, turnovers and shots are counted as in GRF's matches: by changes of the reported owner, and by sudden speed of
+the ball towards the goal. Read next: `grf.report`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ REQUIRED = 1.0  # share of the rows that should be within tolerance
 TOLERANCE = 0.5  # a factor of 1.5
 STEPS, MATCHES = 3000, 32
 SETTINGS = {"medium": 0.6, "easy": 0.05}  # difficulty of the right team; the left team's is 1
-SUDDEN = 16.0  # m/s, a ball that becomes faster than this may be a shot
+SUDDEN = 16.0  # m/s; a ball that becomes faster than this may be a shot
 SHOT_WIDE, SHOT_FAR = 0.13 * METRES_Y, 35.0  # m off the middle of the goal line, m to the goal
 SHOT_APART = 8  # steps
 GOAL_X, GOAL_HALF = 55.0, 3.7  # m
-TELEPORT = 1.2  # m in a step: a player who was placed
+TELEPORT = 1.2  # m in a step: the player was repositioned
 
 
 def measure(effort: float = 1.0) -> list[Row]:
@@ -47,7 +47,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 @lru_cache(maxsize=4)
 def statistics(setting: str, n: int) -> dict[str, float]:
-    """Play n matches and give every quantity of the table."""
+    """Play n matches and return every quantity of the table."""
     trace = play(SETTINGS[setting], n)
     return {
         **events(trace),
@@ -95,8 +95,9 @@ def events(trace: Trace) -> dict[str, float]:
 
 
 def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
-    """Return every change of the owner: the new one's team, and the way of the ball if it is the old one's too, else
-    None.
+    """Return every change of the owner: the new owner's team, and the distance of the ball for passes within a team.
+
+    The distance is None if the team changes.
     """
     owner = trace.owner[:, match]
     owned = np.flatnonzero(owner != NOBODY)
@@ -111,7 +112,7 @@ def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
 
 
 def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
-    """Return every shot: the team, and where its line crosses the goal line, in m off the middle."""
+    """Return every shot: the team, and the crossing of its line with the goal line, in m off the middle."""
     ball, owner = trace.ball[:, match, :2], trace.owner[:, match]
     speed = np.linalg.norm(np.diff(ball, axis=0), axis=1) / 0.1
     sudden = np.flatnonzero((speed[1:] > SUDDEN) & (speed[:-1] <= SUDDEN) & (speed[1:] < 60.0)) + 1
@@ -134,7 +135,7 @@ def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
 
 
 def possession(trace: Trace) -> dict[str, float]:
-    """Return who owns the ball for how long."""
+    """Return the share of possession of the left team, and the share of time in which the ball is owned."""
     team = owning_team(trace)[1:]
     owned = team != NOBODY
     return {"possession left": float((team[owned] == 0).mean()), "ball owned": float(owned.mean())}
@@ -154,7 +155,7 @@ def restarts(trace: Trace) -> dict[str, float]:
 
 
 def ways(trace: Trace) -> dict[str, float]:
-    """Return how far players run."""
+    """Return the mean running distances of outfield players and of keepers."""
     steps = np.linalg.norm(np.diff(trace.places, axis=0), axis=-1)
     way = np.where(steps < TELEPORT, steps, 0.0).sum(axis=0)
     keepers = [0, 11]
@@ -165,7 +166,7 @@ def ways(trace: Trace) -> dict[str, float]:
 
 
 def shape(trace: Trace) -> dict[str, float]:
-    """Measure distances to the ball and spreads of the teams."""
+    """Measure distances to the ball and the spread of the teams."""
     team, places = owning_team(trace), trace.places
     away = np.linalg.norm(places - trace.ball[:, :, None, :2], axis=-1)
     with_ball, without = team != NOBODY, np.where(team == NOBODY, NOBODY, 1 - team)
@@ -186,20 +187,20 @@ def shape(trace: Trace) -> dict[str, float]:
 
 
 def _of_team(values: np.ndarray, team: np.ndarray) -> np.ndarray:
-    """Return of values [T, N, 22, ...] those [T, N, 11, ...] of the players of a team [T, N]."""
+    """Return the part [T, N, 11, ...] of values [T, N, 22, ...] that belongs to a team [T, N]."""
     right = (team == 1).reshape(*team.shape, *(1,) * (values.ndim - 2))
     return np.where(right, values[:, :, 11:], values[:, :, :11])
 
 
 def _nearest_opponent(trace: Trace, left_owns: np.ndarray) -> float:
-    """Return the median distance in m from an owner of the left team to the nearest opponent."""
+    """Return the median distance in m from the owner of the ball in the left team to the nearest opponent."""
     owner = np.maximum(trace.owner, 0)[..., None, None]
     place = np.take_along_axis(trace.places, owner, axis=2)[left_owns]
     return float(np.median(np.linalg.norm(trace.places[left_owns][:, 11:] - place, axis=-1).min(axis=1)))
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw every quantity as a share of the original's, one panel per difficulty."""
+    """Draw every quantity relative to GRF's, one panel per difficulty."""
     rows = measure(effort)
     panels = []
     for setting in SETTINGS:

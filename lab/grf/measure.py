@@ -1,8 +1,8 @@
-"""What is measured in both engines at once, family by family: `python -m lab.benchmarks --suite grf --measure`.
+"""Measurements in both engines at once, family by family: `python -m lab.benchmarks --suite grf --measure`.
 
     academy         goals of scripted policies on jittered academy scenes; its rows are those of data/academy.csv
-    differential    drawn scenes under drawn keys, and how far apart they come to be
-    experts         what semi-expert programs score, beside what is published of them
+    differential    drawn scenes with drawn actions, and the distances between the engines
+    experts         goal rates of semi-expert programs, beside the published rates
     goals           where the goals of trained runs come from
     players         goals of scripted players in whole matches; its rows are those of data/players.csv
 
@@ -32,7 +32,7 @@ from ued.config import LARGEST_SEED, Checked, setting
 
 @dataclass(frozen=True)
 class MeasureConfig(Checked):
-    """What is typed after `python -m lab.benchmarks --suite grf --measure`."""
+    """Arguments of `python -m lab.benchmarks --suite grf --measure`."""
 
     measure: bool = setting(False, "measure in both engines instead; the real one must be there")
     seed: int = setting(0, "of the drawn scenes", ">=0", most=LARGEST_SEED)
@@ -41,11 +41,11 @@ class MeasureConfig(Checked):
     playing: EngineConfig = group(EngineConfig, "engine beside ours for --measure; without, grf")
 
 
-Measured = tuple[str, Any]  # for a terminal, and as JSON can hold it
+Measured = tuple[str, Any]  # for a terminal, and in a form that JSON supports
 
 
 def academy(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
-    """Play scripted policies on jittered academy scenes in both engines; tell their goals."""
+    """Play scripted policies on jittered academy scenes in both engines; report their goals."""
     from lab.grf import academy as scenes
 
     other = config.playing.instead_of(replace(scenes.OURS, engine="grf"))
@@ -55,7 +55,7 @@ def academy(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
 
 
 def differential(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
-    """Play drawn scenes in both engines; tell how far apart they are, and the worst, by name."""
+    """Play drawn scenes in both engines; report their distances, and the worst scenes by name."""
     from lab.grf import differential as drawn
     from lab.grf.drawn_scenes import draw_scene
 
@@ -78,7 +78,7 @@ def differential(config: MeasureConfig, effort: float, figures: Path | None) -> 
 
 
 def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
-    """Play the semi-expert programs in both engines; tell their goal rates, and how alike they rank."""
+    """Play the semi-expert programs in both engines; report their goal rates, and the rank correlation."""
     from lab.grf import experts as programs
 
     chosen = programs.experts()
@@ -93,7 +93,7 @@ def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
 
 
 def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
-    """Play trained runs in both engines; tell where their goals come from."""
+    """Play trained runs in both engines; report where their goals come from."""
     from regista.experiments.transfer.replaying import EPISODES, Plan, play_run
 
     if not config.runs:
@@ -113,7 +113,7 @@ def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measure
 
 
 def goals_table(rows: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
-    """Return summaries of goals, each with the first three cells of its row: whose, how played, on which engine."""
+    """Return summaries of goals, each after three cells: the run, the way of playing, and the engine."""
     far, out = ([*shares(np.zeros(1), limits)] for limits in (FAR, OUT))
     head = ["goals of", "policy", "engine", "goals", "from, m", *(f"{word} m" for word in far)]
     lines = [[*head, "keeper off his line, m", *(f"{word} m" for word in out)]]
@@ -129,7 +129,7 @@ def goals_table(rows: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[s
 
 
 def players(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
-    """Play whole matches of scripted players in both engines; tell the goals of both teams."""
+    """Play whole matches of scripted players in both engines; report the goals of both teams."""
     from lab.grf import players as scripted
 
     other = config.playing.instead_of(replace(scripted.OURS, engine="grf"))

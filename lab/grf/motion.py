@@ -1,11 +1,11 @@
 """How players run: steady speeds, curves of starts, turns and stops, slides, tiredness, and the ball at their feet.
 
-A curve is compared by the root mean square of its difference over the steps since the key was pressed, as a share of
-the highest speed in it, for the speed and for its component along the direction asked for; ours is shifted by the
-whole number of steps that fits best, because the original begins a movement when its animations allow. With the ball
-the key may also come some steps later, in another phase between two touches; so the best of these phases counts. Turns
-are measured to both sides and the worse one counts. When a turn with the ball begins, such a curve does not tell: that
-is compared by how far many drawn ones have got, without a shift. Read next: `grf.ball`.
+A curve is compared by the root mean square of its difference over the steps since the action, as a share of its highest
+speed. This applies to the speed and to its component along the requested direction. Our curve is shifted by the best
+whole number of steps, because GRF begins a movement only when its animations allow. With the ball, the action may also
+come some steps later, in another phase between two touches; the best of these phases counts. Turns are measured to both
+sides, and the worse one counts. Such a curve does not show when a turn with the ball begins. For this, the mean
+progress of many drawn turns is compared without a shift. Read next: `grf.ball`.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ from regista.envs.football.kick_off import Roster
 TITLE = "motion"
 REQUIRED = 1.0  # share of the rows that should be within tolerance
 TOLERANCE = 0.05
-SLIDE_TOLERANCE = 0.1  # of the distance slid; of the speed before, for its curve
-DISTANCE_TOLERANCE = 0.1  # of the distance between ball and player
+SLIDE_TOLERANCE = 0.1  # share of the sliding distance; for the curve, share of the highest speed
+DISTANCE_TOLERANCE = 0.1  # share of the distance between ball and player
 SHIFTS = range(-3, 4)  # steps by which a curve may begin earlier or later
 RUN_UP = 41  # steps before a turn
 TURN_TOLERANCE = 0.3  # m, of drawn turns
-DRAWN, TURNS_LAST = 200, 30  # turns of a kind, and the steps that they are played
-PHASES = 8  # with the ball, so many run-ups, each a step longer
+DRAWN, TURNS_LAST = 200, 30  # turns of a kind, and their steps
+PHASES = 8  # number of run-ups with the ball, each a step longer than the last
 STEP = 0.1  # s
 
 PRESSED = {"run": (), "sprint": (SPRINT,), "dribble": (DRIBBLE,), "sprint+dribble": (SPRINT, DRIBBLE)}
@@ -65,24 +65,24 @@ TURNS = {
 
 @dataclass(frozen=True)
 class Curve:
-    """Velocity `[T, 2]` in m/s per step: along the run before, and to the side of the turn; `asked` [2] of the key."""
+    """Velocity `[T, 2]` in m/s per step, along the previous run and to the turn's side; `asked` [2] is requested."""
 
     velocity: np.ndarray
     asked: np.ndarray
 
     @property
     def speed(self) -> np.ndarray:
-        """Speed [T] in m/s."""
+        """Return the speed [T] in m/s."""
         return np.hypot(*self.velocity.T)
 
     @property
     def along(self) -> np.ndarray:
-        """Component [T] in m/s along the direction asked for."""
+        """Return the component [T] in m/s along the requested direction."""
         return self.velocity @ self.asked
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare with the original; `effort` changes nothing."""
+    """Compare with GRF; `effort` has no effect."""
     curves = [*steady_rows(), *start_rows(), *curve_rows()]
     return [*curves, *drawn_turn_rows(), *slide_rows(), *carry_rows(), *tired_rows()]
 
@@ -91,7 +91,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
-    """Return one left player who stands at (-0.4, 0.1), the ball at the player's feet, or far away at a teammate's."""
+    """Return one left player at (-0.4, 0.1), with the ball at the player's feet, or far away at a teammate's."""
     places = [(-0.4, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
     stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Roster([0, 0, 0, 1], [CB, GK, CF, GK]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[shirt]
@@ -99,21 +99,19 @@ def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
 
 
 def run_keys(with_ball: bool, *pressed: tuple[int, int], shirt: int = 1) -> Trace:
-    """Return what happens when the runner presses these keys, each for so many steps."""
+    """Return the trace of a runner who takes these actions, each for a number of steps."""
     stage = runner_stage(with_ball, shirt)
     return stage.play(keys(*pressed, others=(STAND,) * (stage.num_players - 1)))
 
 
 def run_straight(mode: str, with_ball: bool, steps: int, shirt: int = 1) -> Trace:
-    """Let the runner stand for 10 steps, hold the keys of a mode, and run along +x for so many steps."""
+    """Let the runner stand for 10 steps, start a mode, and run along +x for `steps` steps."""
     pressed = [(IDLE, 10 - len(PRESSED[mode])), *((key, 1) for key in PRESSED[mode])]
     return run_keys(with_ball, *pressed, (DIRECTION_RIGHT, steps), shirt=shirt)
 
 
 def velocities(trace: Trace, first: int) -> np.ndarray:
-    """Return the velocity [T, 2] of the runner over each step, as a difference of places; row 0 is the step of index
-    `first`.
-    """
+    """Return the velocity [T, 2] of the runner over each step from index `first`, as a difference of positions."""
     return np.diff(trace.places[:, 0, 0], axis=0)[first:] / STEP
 
 
@@ -121,7 +119,7 @@ def velocities(trace: Trace, first: int) -> np.ndarray:
 
 
 def steady_rows() -> list[Row]:
-    """Compare the speed at which a player settles, in every mode."""
+    """Compare the steady speed of a player in every mode."""
     rows = []
     for target in read_data("steady_speeds"):
         with_ball = target["ball"] == "yes"
@@ -132,7 +130,7 @@ def steady_rows() -> list[Row]:
 
 
 def start_rows() -> list[Row]:
-    """Compare sprints from rest, player by player: their top speeds differ."""
+    """Compare sprints from rest for each player, since top speeds differ."""
     rows = []
     for target in read_data("player_sprints"):
         theirs = np.array([float(speed) for speed in target["start"].split()])
@@ -148,7 +146,7 @@ def start_rows() -> list[Row]:
 
 
 def curve_rows() -> list[Row]:
-    """Compare every curve, by speed and by component along the direction asked for."""
+    """Compare every curve, by speed and by the component along the requested direction."""
     rows = []
     for name, theirs in their_curves().items():
         top = float(np.max(theirs.speed))
@@ -163,7 +161,7 @@ def _curve_row(name: str, error: float, top: float) -> Row:
 
 
 def their_curves() -> dict[str, Curve]:
-    """Return the original's curves by name."""
+    """Return GRF's curves by name."""
     samples: dict[str, list[tuple[float, float]]] = {}
     for row in read_data("motion_curves"):
         samples.setdefault(row["curve"], []).append((float(row["ahead"]), float(row["aside"])))
@@ -171,21 +169,21 @@ def their_curves() -> dict[str, Curve]:
 
 
 def direction_asked(name: str) -> np.ndarray:
-    """Return the unit vector [2] of the direction that the last key of a curve asks for; stops keep the old one."""
+    """Return the unit vector [2] of the direction requested by the last action of a curve; stops keep the old one."""
     angle = np.radians(float(name.split()[-1])) if "turn" in name else 0.0
     return np.array([np.cos(angle), np.sin(angle)])
 
 
 def best_phase(name: str, theirs: Curve) -> list[Curve]:
-    """Return our curves of this name that agree best with the original's, over the phases in which the key may come."""
+    """Return our curves of this name that agree best with GRF's, over the possible phases of the action."""
     phases = range(PHASES if "with ball" in name and "start" not in name else 1)
     return min((our_curves(name, phase) for phase in phases), key=lambda curves: sum(fit(curves[0], theirs)[1]))
 
 
 def our_curves(name: str, phase: int = 0) -> list[Curve]:
-    """Return the curve of this name as we run it, from four steps before the key: one, or one to either side.
+    """Return our curve of this name from four steps before the action; for turns, one curve to either side.
 
-    The key comes `phase` steps after the usual run-up.
+    The action comes `phase` steps after the usual run-up.
     """
     mode, ball, what = name.split(", ")
     with_ball = ball == "with ball"
@@ -203,9 +201,7 @@ def our_curves(name: str, phase: int = 0) -> list[Curve]:
 
 
 def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
-    """Return the shift in steps at which two curves agree best, and their rms differences there: of speed, and
-    along.
-    """
+    """Return the best shift in steps between two curves, and the rms differences at this shift: of speed, and along."""
     count = len(theirs.velocity)
     errors = []
     for shift in SHIFTS:
@@ -216,7 +212,7 @@ def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
 
 
 def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
-    """Return `count` values from `shift` on; where there are none, the first or the last one."""
+    """Return `count` values from `shift` on, padded with the first or the last one."""
     return values[np.clip(np.arange(count) + shift, 0, len(values) - 1)]
 
 
@@ -225,11 +221,11 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-# ---------------------------------------------------------------- when turns with the ball begin
+# ---------------------------------------------------------------- start of turns with the ball
 
 
 def drawn_turn_rows() -> list[Row]:
-    """Compare how far drawn turns with the ball have got, in the mean: when they begin differs from one to the next."""
+    """Compare the mean progress of drawn turns with the ball; the time at which a turn begins varies."""
     rows = []
     for target in read_data("turns"):
         way = drawn_turns(target["mode"], int(target["turn"])).mean(axis=1)
@@ -240,15 +236,15 @@ def drawn_turn_rows() -> list[Row]:
 
 
 def drawn_turns(mode: str, turn: int) -> np.ndarray:
-    """Return how far `[9, DRAWN]` in m players have got along the new direction, per step since the key.
+    """Return the distance `[9, DRAWN]` in m of players along the new direction, per step since the action.
 
-    They start at a ball that lies before them, and turn 4 to 8 steps after they have first touched it.
+    They start behind a ball at rest, and turn 4 to 8 steps after their first touch.
     """
     rng = np.random.default_rng(turn)
     ball = np.column_stack([rng.uniform(-0.3885, -0.3755, DRAWN), rng.uniform(0.098, 0.102, DRAWN)])
     stage = Stage([(-0.4, 0.1), (-1.0, 0.0), (1.0, 0.42)], ball, Roster([0, 0, 1], [CB, GK, GK]), n=DRAWN)
     first, left = PRESSED.get(mode, ()), rng.random(DRAWN) < 0.5
-    due = rng.integers(4, 9, DRAWN)  # steps from the first touch to the key
+    due = rng.integers(4, 9, DRAWN)  # steps from the first touch to the action
     key_at = np.full(DRAWN, 10**6)
     for step in range(TURNS_LAST):
         key = np.where(step < key_at, DIRECTION_RIGHT, np.where(left, *TURNS[turn]))
@@ -270,7 +266,7 @@ def drawn_turns(mode: str, turn: int) -> np.ndarray:
 
 
 def slide_rows() -> list[Row]:
-    """Compare slides: the curve of speeds, the distance, and when the player is up and fast again."""
+    """Compare slides: the curve of speeds, and the distance."""
     rows = []
     for target in read_data("slides"):
         theirs = np.array([float(speed) for speed in target["speeds"].split()])
@@ -286,7 +282,7 @@ def slide_rows() -> list[Row]:
 
 
 def slide_speeds(mode: str) -> np.ndarray:
-    """Return the speed [T] over each step from four steps before the slide key; without the ball."""
+    """Return the speed [T] over each step from four steps before the slide action, without the ball."""
     run = [] if mode == "stand" else [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, 30)]
     stage = Stage([(-0.4, 0.1), (0.9, -0.35)], (0.895, -0.35), Roster([0, 1], [CB, CF]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[1]
@@ -298,7 +294,7 @@ def slide_speeds(mode: str) -> np.ndarray:
 
 
 def carry_rows() -> list[Row]:
-    """Compare how far the ball is ahead of a player who runs with it, and how often the player owns it."""
+    """Compare how far the ball is ahead of a running player, and how often the player owns it."""
     rows = []
     for target in read_data("carrying"):
         trace = run_straight(target["keys"], True, 64)
@@ -313,7 +309,7 @@ def carry_rows() -> list[Row]:
 
 
 def tired_rows() -> list[Row]:
-    """Compare tiredness after so many steps of running straight on; the player is put back every 50 steps."""
+    """Compare tiredness after a number of steps of running straight on; the player is put back every 50 steps."""
     rows = []
     for target in read_data("tiredness"):
         steps = int(target["steps"])
@@ -333,7 +329,7 @@ def tired_rows() -> list[Row]:
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw every curve: solid the speed, and the component along the direction asked for in panels of their own."""
+    """Draw every curve: the speed, and for turns the component along the requested direction in separate panels."""
     panels = []
     for name, theirs in their_curves().items():
         ours = best_phase(name, theirs)[0]

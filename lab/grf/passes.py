@@ -1,4 +1,4 @@
-"""Passes: for whom they are meant, how fast and high they go, and how soon the mate has the ball.
+"""Passes: the intended receiver, speed and height, and the time until the teammate has the ball.
 
 Read next: `grf.shots`.
 """
@@ -36,8 +36,8 @@ TITLE = "passes"
 REQUIRED = 0.9
 TOLERANCE = 0.1
 REPEATS = 20
-WATCHED = 60  # steps after the press
-MOVING = 8.0  # m/s, a ball that has left the foot
+WATCHED = 60  # steps after the action
+MOVING = 8.0  # m/s of a ball that has left the foot
 KICKS = {"short": SHORT_PASS, "long": LONG_PASS, "high": HIGH_PASS}
 DIRECTIONS = {
     "none": IDLE,
@@ -51,12 +51,12 @@ DIRECTIONS = {
     "bottom_left": DIRECTION_BOTTOM_LEFT,
 }
 MATES = ((10, 0), (20, -10), (0, -15), (-10, 0), (0, 15), (20, 10))  # m from the passer, y downwards
-PLACED_X, PLACED_Y = 1.011, 1.016  # the original stretches the places of players, not the ball's
+PLACED_X, PLACED_Y = 1.011, 1.016  # GRF stretches the positions of players, not that of the ball
 KEEPERS = ((-1.011, 0.0), (1.011, -0.4268))
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare delay, speed and time to reception of passes over 5 to 40 m, and the choice of the mate."""
+    """Compare delay, speed and time to reception of passes over 5 to 40 m, and the choice of the receiver."""
     repeats = max(int(REPEATS * effort), 2)
     rows = []
     for target in read_data("passes"):
@@ -91,7 +91,7 @@ def compare_pass(name: str, target: dict[str, str], trace: Trace) -> list[Row]:
 
 
 def straight_pass(kind: str, distance: float, repeats: int) -> Trace:
-    """Let a standing player pass along +x to a mate who stands `distance` m ahead; the press is step 2."""
+    """Let a standing player pass along +x to a teammate `distance` m ahead; the pass action is step 2."""
     x = -0.5 * PLACED_X
     places = [(x, 0.0), (x + distance / METRES_X, 0.0), *KEEPERS]
     stage = Stage(places, (-0.49, 0.0), Roster([0, 0, 0, 1], [CM, CM, GK, GK]), n=repeats)
@@ -99,15 +99,13 @@ def straight_pass(kind: str, distance: float, repeats: int) -> Trace:
 
 
 def first_moving(trace: Trace) -> np.ndarray:
-    """Return the index [N] of the first row in which the ball is kicked; the last one if it never is."""
+    """Return the index [N] of the first row in which the ball is kicked, or of the last row."""
     fast = np.linalg.norm(trace.ball_velocity[..., :2], axis=-1) > MOVING
     return np.where(fast.any(axis=0), fast.argmax(axis=0), len(fast) - 1)
 
 
 def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
-    """Return the steps [N] from the kick until another player than the first has it; to the end of the trace if none
-    does.
-    """
+    """Return the steps [N] from the kick until another player has the ball, or until the end of the trace."""
     steps = []
     for k, at in enumerate(start):
         owned = trace.owner[at:, k] > 0
@@ -116,7 +114,7 @@ def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
 
 
 def choice(kind: str, direction: str, repeats: int) -> tuple[np.ndarray, float]:
-    """Return for whom passes are meant, numbers [N] among MATES (-1 another player), and the mean delay."""
+    """Return the intended receivers, numbers [N] among MATES (-1 another player), and the mean delay."""
     places = [(0.0, 0.0), *((x / METRES_X, y / METRES_Y) for x, y in MATES), *KEEPERS]
     stage = Stage(places, (0.01, 0.0), Roster([0] * 8 + [1], [CM] * 7 + [GK] * 2), n=repeats)
     pressed = ((IDLE, 1), (DIRECTIONS[direction], 2), (KICKS[kind], 1))

@@ -1,8 +1,8 @@
 """Whole matches of three scripted players against the built-in team, in our simulator and in GRF.
 
-The agent is `active`: the player of the left team with the ball, or nearest to it; the built-in AI moves the others.
-A straight runner heads for goal and shoots; a dodger turns away from opponents in front; a passer passes forward to a
-free mate when an opponent is near. Read next: `grf.matches`, in which the built-in AI plays both sides.
+The agent is `active`: the player of the left team with the ball, or nearest to it; the built-in AI moves the others. A
+straight runner heads for goal and shoots; a dodger turns away from opponents in front; a passer passes forward to a
+free teammate when an opponent is near. Read next: `grf.matches`, in which the built-in AI plays both sides.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ from ued.core.level_space import level_dtype
 TITLE = "scripted players against the built-in team"
 REQUIRED = 0.8  # share of the rows that should be within tolerance
 TOLERANCE = 1.0  # a factor of 2
-SMALL = 0.5  # goals a match, added to both numbers: few goals are no great factor apart by chance
+SMALL = 0.5  # goals per match, added to both numbers: reduces the noise of ratios of few goals
 DIFFICULTIES = {"easy": 0.05, "medium": 0.6, "hard": 0.95}  # of the right team
 MATCHES, STEPS = 48, 3000  # of each player at each difficulty, at effort 1
 GRF_MATCHES = 12
 OURS = FootballConfig("features", control="active", rewards="scoring")
 SEED = 30_000
 
-SPRINT_EVERY = 8  # steps; the key is sticky, and a kick or a change of player ends it
+SPRINT_EVERY = 8  # steps; the action is sticky, and a kick or a change of player ends it
 SHOOT_WITHIN = 20.0  # m from the middle of the goal
-CLOSE = 6.0  # m, an opponent who is dodged or passed away from
-AHEAD = np.cos(np.radians(60))  # of the way to goal, an opponent in front
-MATE = (6.0, 25.0)  # m, whom the passer passes to
-FREE = 4.0  # m from a mate to the nearest opponent
+CLOSE = 6.0  # m to an opponent to dodge or to pass away from
+AHEAD = np.cos(np.radians(60))  # cosine of the largest angle from the way to goal at which an opponent is in front
+MATE = (6.0, 25.0)  # m to the receiver of a pass, minimum and maximum
+FREE = 4.0  # m from a teammate to the nearest opponent
 
 
 class Sight(NamedTuple):
-    """What the agents of N matches see, in m, y upwards: places of the agent, the ball, mates and opponents."""
+    """Observations of the agents of N matches in m, y upwards: positions of agent, ball, teammates and opponents."""
 
     me: np.ndarray  # [N, 2]
     ball: np.ndarray  # [N, 2]
@@ -56,7 +56,7 @@ class Sight(NamedTuple):
 
 
 def look(matches: np.ndarray) -> Sight:
-    """Return what the agents see of match records `[N]`."""
+    """Return the observations of the agents in match records `[N]`."""
     row = np.arange(len(matches))
     agent, players = matches["agents"][:, 0], matches["players"]
     places = np.stack([players["x"], players["y"]], -1)  # [N, 22, 2]
@@ -76,25 +76,25 @@ def look(matches: np.ndarray) -> Sight:
 
 
 def key_towards(way: np.ndarray) -> np.ndarray:
-    """Return the direction key `[N]` of vectors `[N, 2]`."""
+    """Return the direction action `[N]` of vectors `[N, 2]`."""
     return TOWARDS[np.round(np.arctan2(way[:, 1], way[:, 0]) / (np.pi / 4)).astype(int) % 8]
 
 
 def turned(way: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Return vectors `[N, 2]` turned by angles `[N]`, to the left where they are positive."""
+    """Return vectors `[N, 2]` turned by angles `[N]`, positive to the left."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * way[:, 0] - s * way[:, 1], s * way[:, 0] + c * way[:, 1]], -1)
 
 
 class Player:
-    """The straight runner: without the ball it runs at it, with it at the goal; it shoots from near."""
+    """The straight runner: it runs at the ball, then with the ball at the goal, and shoots from near."""
 
     def begin(self, count: int) -> None:
-        """Forget all, for so many new matches."""
-        self.passes = np.zeros(count, bool)  # the key of a pass follows that of its direction
+        """Reset the state for `count` new matches."""
+        self.passes = np.zeros(count, bool)  # the pass action follows that of its direction
 
     def __call__(self, matches: np.ndarray, step: int) -> np.ndarray:
-        """Return the keys `[N]` of a step."""
+        """Return the actions `[N]` of a step."""
         sight = look(matches)
         goal = np.asarray(GOAL) - sight.me
         keys = np.where(sight.mine, self.with_ball(sight, goal), key_towards(sight.ball - sight.me))
@@ -105,16 +105,16 @@ class Player:
         return np.where(step % SPRINT_EVERY == 1, SPRINT, keys)
 
     def with_ball(self, sight: Sight, goal: np.ndarray) -> np.ndarray:
-        """Return the direction key of an agent with the ball, whose way to goal is `goal` `[N, 2]`."""
+        """Return the direction action of an agent with the ball; `goal` `[N, 2]` is the vector to the goal."""
         return key_towards(goal)
 
     def wants_pass(self, sight: Sight) -> np.ndarray:
-        """Return who passes next, bool `[N]`."""
+        """Return which agents pass next, bool `[N]`."""
         return np.zeros(len(sight.me), bool)
 
 
 class Dodger(Player):
-    """Turns by 60 degrees away from an opponent who is close and in front."""
+    """Turns by 60 degrees away from a close opponent in front."""
 
     def with_ball(self, sight: Sight, goal: np.ndarray) -> np.ndarray:
         to_him, close = nearest(sight.opponents, sight.me)
@@ -125,7 +125,7 @@ class Dodger(Player):
 
 
 class Passer(Player):
-    """Passes to the foremost free mate ahead and in reach, when an opponent is close."""
+    """Passes to the foremost free teammate ahead and in reach, when an opponent is close."""
 
     def wants_pass(self, sight: Sight) -> np.ndarray:
         return sight.mine & (nearest(sight.opponents, sight.me)[1] < CLOSE) & np.isfinite(self.way_to_mate(sight)[:, 0])
@@ -138,7 +138,7 @@ class Passer(Player):
 
     @staticmethod
     def way_to_mate(sight: Sight) -> np.ndarray:
-        """Return the way `[N, 2]` to the foremost free mate in reach, nan where there is none."""
+        """Return the vector `[N, 2]` to the foremost free teammate in reach, nan if there is none."""
         way = sight.mates - sight.me[:, None]  # [N, P, 2]
         distance = np.linalg.norm(way, axis=-1)
         guard = np.linalg.norm(sight.mates[:, :, None] - sight.opponents[:, None], axis=-1)  # [N, P, P]
@@ -153,7 +153,7 @@ PLAYERS: dict[str, Callable[[], Player]] = {"runner": Player, "dodger": Dodger, 
 
 
 def nearest(places: np.ndarray, me: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the way `[N, 2]` to the nearest of `places` `[N, P, 2]`, and how far it is `[N]`."""
+    """Return the vector `[N, 2]` to the nearest of `places` `[N, P, 2]`, and its length `[N]`."""
     way = places - me[:, None]
     distance = np.linalg.norm(way, axis=-1)
     distance = np.where(np.isnan(distance), np.inf, distance)
@@ -162,7 +162,7 @@ def nearest(places: np.ndarray, me: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def play_matches(name: str, difficulty: float, count: int, config: FootballConfig = OURS) -> Episodes:
-    """Play so many whole matches of a scripted player in the engine of a configuration."""
+    """Play `count` whole matches of a scripted player in the engine of a configuration."""
     text = program_text(
         SCENES["11_vs_11"],
         game_duration=STEPS,
@@ -186,7 +186,7 @@ def play_matches(name: str, difficulty: float, count: int, config: FootballConfi
 
 
 def numbers(episodes: Episodes) -> dict[str, float]:
-    """Return what is compared of a player's matches, a match each."""
+    """Return the compared numbers of a player's matches, one match per episode."""
     owner = episodes.owner
     owned = owner != NOBODY
     goals = episodes.score.mean(0)
@@ -213,7 +213,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw both teams' goals, ours beside the original's."""
+    """Draw both teams' goals, ours beside GRF's."""
     rows = measure(effort)
     panels = []
     for what in ("for", "against"):
@@ -225,7 +225,7 @@ def figure(path: Path, effort: float = 1.0) -> None:
 
 
 def measure_both(other: FootballConfig, count: int, told: Callable[[int], None]) -> list[dict[str, Any]]:
-    """Play every player at every difficulty in both engines; return a row for each, as `data/players.csv` has it."""
+    """Play every player at every difficulty in both engines; return the rows of `data/players.csv`."""
     rows: list[dict[str, Any]] = []
     for name in PLAYERS:
         for words, difficulty in DIFFICULTIES.items():
@@ -238,7 +238,7 @@ def measure_both(other: FootballConfig, count: int, told: Callable[[int], None])
 
 
 def table(rows: Sequence[dict[str, Any]]) -> list[list[str]]:
-    """Return a line for each row, ours and the original's side by side."""
+    """Return a line for each row, ours and GRF's side by side."""
     head = [
         "player",
         "difficulty",

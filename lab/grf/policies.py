@@ -1,8 +1,8 @@
 """Scripted policies for the academy scenes, by the names under which Google Research Football's goals were counted.
 
-A policy is an opening (keys of the first steps), then perhaps a wait until a mate has the ball, then perhaps a run,
-and at last a cycle of keys that goes on for ever; each match goes through these at its own pace. Read next:
-`grf.academy`, which counts what they score.
+A policy starts with an opening, the actions of the first steps. It may then wait until a teammate has the ball, and may
+then run. It ends with a cycle of actions that repeats forever. Each match goes through these phases independently. Read
+next: `grf.academy`, which counts what they score.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from regista.envs.football.constants import (
     SPRINT,
 )
 
-TOWARDS = np.array([5, 4, 3, 2, 1, 8, 7, 6])  # direction keys by sector of 45°, from +x on, left round
+TOWARDS = np.array([5, 4, 3, 2, 1, 8, 7, 6])  # direction actions by sector of 45°, counterclockwise from +x
 GOAL = (55.0, 0.0)  # m
-CYCLE = 8  # steps of a cycle that ends in waiting
+CYCLE = 8  # steps of a cycle that ends with idle actions
 DIRECTIONS = {
     "bottom": DIRECTION_BOTTOM,
     "bottom_right": DIRECTION_BOTTOM_RIGHT,
@@ -39,9 +39,9 @@ RUN = re.compile(r"(sprint_right|run_right_nosprint|run_to_goal)_(aimed_)?shot_[
 
 @dataclass
 class Policy:
-    """What is pressed: see the module; `run_to` is in the original's units, `finish` the keys at the end.
+    """The actions of a policy, see the module; `run_to` is in GRF's units, `finish` names the final cycle.
 
-    The matches that it sees are records of either engine.
+    Its inputs are match records of either engine.
     """
 
     opening: tuple[int, ...] = ()
@@ -53,7 +53,7 @@ class Policy:
     finish: str = "always"
 
     def begin(self, n: int) -> None:
-        """Forget all for n new matches."""
+        """Reset the state for n new matches."""
         self.clock = np.zeros(n, int)
         self.running = np.full(n, not self.waits)
         self.run_clock = np.zeros(n, int)
@@ -61,7 +61,7 @@ class Policy:
         self.passer = np.full(n, NOBODY)
 
     def __call__(self, matches: np.ndarray, step: int) -> np.ndarray:
-        """Return the keys [N] of the step with this number."""
+        """Return the actions [N] of a step."""
         if step < len(self.opening):
             self.passer = matches["agents"][:, 0].copy()
             return np.full(len(matches), self.opening[step])
@@ -74,13 +74,13 @@ class Policy:
         return keys
 
     def _watch_pass(self, matches: np.ndarray) -> None:
-        """Go on when a mate of the passer has the ball."""
+        """Start the run when a teammate of the passer has the ball."""
         owner = matches["reported_owner"]
         ours = (owner >= 0) & (matches["players"]["team"][np.arange(len(owner)), np.maximum(owner, 0)] == LEFT)
         self.running |= ours & (owner != self.passer)
 
     def _watch_run(self, matches: np.ndarray, me: np.ndarray) -> None:
-        """Finish when the run is over, and where it matters the ball is the player's own."""
+        """Finish when the run is over; with `must_own`, only if the player has the ball."""
         there = me["x"] > self.run_to * METRES_X
         if self.must_own:
             there &= matches["reported_owner"] == matches["agents"][:, 0]
@@ -100,13 +100,13 @@ class Policy:
 
 
 def towards_goal(me: np.ndarray) -> np.ndarray:
-    """Return the direction key [N] that points best at the middle of the right goal."""
+    """Return the direction action [N] that points best at the middle of the right goal."""
     angle = np.arctan2(GOAL[1] - me["y"], GOAL[0] - me["x"])
     return TOWARDS[np.round(angle / (np.pi / 4)).astype(int) % 8]
 
 
 def policy_named(name: str) -> Policy:
-    """Return the policy that was measured under this name. Raises ValueError if there is none."""
+    """Return the policy measured under this name. Raises ValueError if there is none."""
     simple = {
         "always_shot": Policy(),
         "aimed_shot_now_press1": Policy(finish="aimed"),

@@ -1,4 +1,4 @@
-"""The families of comparisons, run and shown: one table each, and a last line that counts what is within tolerance.
+"""Run and print the families of comparisons: one table each, and a last line with the count within tolerance.
 
 A family is a module of this package with `TITLE`, `REQUIRED` (the share of its rows that should be within tolerance),
 `measure(effort) -> list[Row]` and `figure(path, effort)`. Read next: a family.
@@ -44,7 +44,7 @@ def compare(name: str, effort: float = 1.0) -> list[Row]:
 
 
 def draw(name: str, folder: Path, effort: float = 1.0) -> None:
-    """Draw a family's curves, ours and the original's, into `folder`/`name`.png. Raises CommandError if it cannot."""
+    """Draw a family's curves, ours and GRF's, to `folder`/`name`.png. Raises CommandError if writing fails."""
     path = folder / f"{name}.png"
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ def render_family(name: str, rows: Sequence[Row]) -> str:
 
 
 def render_rows(title: str, rows: Sequence[Row], required: float) -> str:
-    """Return comparisons as a table, of which a share is required to be within tolerance."""
+    """Return comparisons as a table; `required` is the share that must be within tolerance."""
     lines = [[title, "     ours", "      GRF", "unit", "difference", "tolerance", "verdict"]]
     for row in rows:
         numbers = [_spell(number).rjust(9) for number in (row.ours, row.grf)]
@@ -71,7 +71,7 @@ def render_rows(title: str, rows: Sequence[Row], required: float) -> str:
 
 
 def read_data(name: str) -> list[dict[str, str]]:
-    """Read `data/NAME.csv`, the original's numbers: rows by column; lines that begin with # say what they are."""
+    """Read GRF's numbers from `data/NAME.csv`: rows by column; lines that begin with # are comments."""
     text = (DATA / f"{name}.csv").read_text()
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 

@@ -1,7 +1,7 @@
-"""The academy scenes and line-ups of Google Research Football: who stands where when an episode begins.
+"""The academy scenes and lineups of Google Research Football: positions of players at the start of an episode.
 
-Places are scenario files' own: the right team's in its own mirrored frame; `stage_scene` moves them to where the
-engine puts players. Read next: `grf.policies`, who plays in them.
+Positions are those of scenario files, with the right team in its own mirrored frame; `stage_scene` moves them to where
+the engine puts players. Read next: `grf.policies`, who plays in them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Players = tuple[tuple[int, float, float], ...]  # role, x, y
 
 KEEPER = (GK, -1.0, 0.0)
 FAR_KEEPER = (GK, 1.0, 0.0)  # on the wrong goal line: an empty goal
-STRETCH = (55.0 / 54.4, 36.0 * 2.36 / 83.6)  # of players' places, as the engine does; the ball stays
+STRETCH = (55.0 / 54.4, 36.0 * 2.36 / 83.6)  # of players' positions, as in the engine; the ball stays
 
 BACKS = ((LB, -0.422, -0.19576), (CB, -0.5, -0.06356), (CB, -0.5, 0.063559), (RB, -0.422, 0.19576))
 MIDDLE = ((CM, -0.184212, -0.10568), (CM, -0.267574, 0.0), (CM, -0.184212, 0.10568))
@@ -30,7 +30,7 @@ WAITING = (KEEPER, (RM, -0.05, 0.0), (CF, -0.01, 0.216102), *BACKS, *MIDDLE, (LM
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene: both teams, the ball, and how many steps an episode has."""
+    """One scene: both teams, the ball, and the number of steps of an episode."""
 
     left: Players
     right: Players
@@ -71,7 +71,7 @@ SCENES = {
 
 
 def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
-    """Set up n matches of a scene, under these settings but for the scene's own duration."""
+    """Set up n matches of a scene, with these settings except for the scene's own duration."""
     scene = SCENES[name]
     players = (*scene.left, *scene.right)
     roster = Roster([0] * len(scene.left) + [1] * len(scene.right), [role for role, _, _ in players])
@@ -84,6 +84,6 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
 
 @kernel
 def take_stances(matches):
-    """Let the first whistle of every match find its bodies in stances of their own, as it does in an environment."""
+    """Give bodies individual stances before the first whistle of every match, as in an environment."""
     for e in range(len(matches)):
         take_stance(matches[e])

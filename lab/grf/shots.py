@@ -1,4 +1,4 @@
-"""Shots of a lone striker: when they leave the foot, how fast, and where their first course meets the goal line.
+"""Shots of a lone striker: delay until the kick, speed, and where their initial course meets the goal line.
 
 Read next: `grf.keeper`, who faces them.
 """
@@ -22,16 +22,16 @@ from regista.envs.football.kick_off import Roster
 TITLE = "shots"
 REQUIRED = 0.8
 SHARE = 0.1  # tolerance of speed and delay
-UNITS = 0.015  # tolerance of the mean place on the goal line
+UNITS = 0.015  # tolerance of the mean position on the goal line
 FACTOR = 0.5  # tolerance of its spread: 1.5 times
 REPEATS = 120
-MOVING = 15.0  # m/s, a ball that has left the foot
-TOP_SPEED, SHIRT = 7.83, 1  # of the player on whom all was measured
+MOVING = 15.0  # m/s of a ball that has left the foot
+TOP_SPEED, SHIRT = 7.83, 1  # of the player used in all of GRF's measurements
 
 
 @dataclass(frozen=True)
 class Shots:
-    """What became of many shots: means, and `line_y` [N] in units, y downwards."""
+    """Results of many shots: means, and `line_y` [N] in units, y downwards."""
 
     delay: float
     speed: float
@@ -40,7 +40,7 @@ class Shots:
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare delay, speed, mean place on the goal line and its spread in the 104 conditions of the original."""
+    """Compare delay, speed, mean position on the goal line and its spread in GRF's 104 conditions."""
     rows = []
     for name, target, shots in conditions(effort):
         mean, spread = float(np.mean(shots.line_y)), float(np.std(shots.line_y, ddof=1))
@@ -55,7 +55,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 @cache
 def conditions(effort: float) -> list[tuple[str, dict[str, str], Shots]]:
-    """Name, numbers of the original, and our shots, of every condition."""
+    """Return the name, GRF's numbers and our shots of every condition."""
     repeats = max(int(REPEATS * effort), 4)
     played = []
     for target in read_data("shots"):
@@ -68,7 +68,7 @@ def conditions(effort: float) -> list[tuple[str, dict[str, str], Shots]]:
 
 
 def shoot(place: tuple[float, float], direction: str, before: int, presses: int, repeats: int) -> Shots:
-    """Let a striker at `place` with the ball in front hold keys for `before` steps, then press shot, then wait."""
+    """Let a striker at `place` with the ball in front hold a direction for `before` steps, shoot, and wait."""
     players = [(place[0] * PLACED_X, place[1] * PLACED_Y), (1.011, -0.4268)]
     stage = Stage(players, (place[0] + 0.01, place[1]), Roster([0, 1], [CF, GK]), n=repeats)
     stage.matches["players"]["shirt"][:, 0] = SHIRT
@@ -82,7 +82,7 @@ def shoot(place: tuple[float, float], direction: str, before: int, presses: int,
     ball, velocity = trace.ball[start, shot], trace.ball_velocity[start, shot]
     forward = np.where(velocity[:, 0] > 1.0, velocity[:, 0], np.nan)
     line_y = ball[:, 1] + (HALF_LENGTH - ball[:, 0]) / forward * velocity[:, 1]
-    pressed = 2 + before  # row of the trace at the end of the step of the first press
+    pressed = 2 + before  # row of the trace at the end of the step of the first shot action
     return Shots(
         float(np.mean(start - pressed)),
         float(flat[start, shot].mean()),
@@ -92,7 +92,7 @@ def shoot(place: tuple[float, float], direction: str, before: int, presses: int,
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw the four numbers and the rise, ours over the original's, a dot per condition on the line of likeness."""
+    """Draw the four numbers and the rise, ours over GRF's: a dot per condition, and the diagonal."""
     played = conditions(effort)
     panels = []
     numbers = (

@@ -1,6 +1,6 @@
-"""A situation of Google Research Football set up in our simulator: who stands where, who presses what.
+"""A situation of Google Research Football set up in our simulator: positions and actions of the players.
 
-Places are the original's: x in [-1, 1] towards the goal of the right team, y in [-0.42, 0.42] downwards. Read next:
+Positions are GRF's: x in [-1, 1] towards the goal of the right team, y in [-0.42, 0.42] downwards. Read next:
 `grf.motion`, the family that is easiest to follow.
 """
 
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
 from regista.envs.football.simulator import step_everybody
 
-METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
+METRES_X, METRES_Y = 54.4, 83.6  # m per GRF unit
 OPEN_END = MatchConfig(
     game_duration=3000,
     end_episode_on_score=False,
@@ -28,18 +28,18 @@ Policy = Callable[["Stage"], npt.ArrayLike]
 
 
 def metres(places: npt.ArrayLike) -> np.ndarray:
-    """Turn places `[..., 2]` of the original into meters, y upwards."""
+    """Convert GRF positions `[..., 2]` to meters, y upwards."""
     return np.asarray(places, float) * (METRES_X, -METRES_Y)
 
 
 def units(places: npt.ArrayLike) -> np.ndarray:
-    """Turn places `[..., 2]` in meters, y upwards, into the original's units."""
+    """Convert positions `[..., 2]` in meters, y upwards, to GRF units."""
     return np.asarray(places, float) / (METRES_X, -METRES_Y)
 
 
 @dataclass(frozen=True)
 class Trace:
-    """What N matches looked like at the end of each of T steps; places in m, speeds in m/s, y upwards."""
+    """States of N matches at the end of each of T steps; positions in m, speeds in m/s, y upwards."""
 
     ball: np.ndarray  # [T, N, 3]
     ball_velocity: np.ndarray  # [T, N, 3]
@@ -52,18 +52,18 @@ class Trace:
 
 
 class Stage:
-    """N matches that begin alike, up to their random numbers, each player with actions of its own.
+    """N matches with the same start except for their random numbers; each player has its own actions.
 
     Args:
-        positions: `[P, 2]` or `[N, P, 2]`, in the original's units; left players first, as `roster` says.
+        positions: `[P, 2]` or `[N, P, 2]`, in GRF units; left players first, as in the lineup.
         ball: `[2]` or `[N, 2]`.
         lineup: teams and roles `[P]`.
-        config: settings of the episode; by default nothing but the duration of 3000 steps ends it.
+        config: settings of the episode; by default only the duration of 3000 steps ends it.
         n: matches, each with its own random numbers.
         seed: of the first match; the others follow.
-        mirrored: right players' places are given in their own frame, as scenario files do.
+        mirrored: right players' positions are in their own frame, as in scenario files.
 
-    `matches` are the records; change them before the first step for what the arguments cannot say.
+    `matches` are the records; change them before the first step to set anything else.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class Stage:
         self._frames = [self._frame()]
 
     def step(self, actions: npt.ArrayLike) -> None:
-        """Play 0.1 s: `actions` `[N, P]` (or what broadcasts) are keys 0..18, 19 the built-in AI, -1 to stand.
+        """Play 0.1 s: `actions` `[N, P]` (or what broadcasts) are actions 0..18, 19 for the built-in AI, -1 to stand.
 
         Directions are those of the pitch for either team.
         """
@@ -95,7 +95,7 @@ class Stage:
         self._frames.append(self._frame())
 
     def play(self, actions: npt.ArrayLike | Policy, steps: int | None = None) -> Trace:
-        """Play a list of actions `[T, P]` or `[T, N, P]`, or a policy for so many steps; give the trace so far."""
+        """Play a list of actions `[T, P]` or `[T, N, P]`, or a policy for `steps` steps; return the trace so far."""
         if callable(actions):
             if steps is None:
                 raise ValueError("how many steps? a policy has no length")
@@ -107,7 +107,7 @@ class Stage:
         return self.trace()
 
     def trace(self) -> Trace:
-        """Return what was seen so far: row 0 is the beginning, row t the end of step t."""
+        """Return the trace so far: row 0 is the start, row t the end of step t."""
         return Trace(*(np.stack(frames) for frames in zip(*self._frames, strict=True)))
 
     def _frame(self) -> tuple[np.ndarray, ...]:
@@ -122,8 +122,7 @@ class Stage:
 
 
 def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = True) -> np.ndarray:
-    """Return the actions `[T, P]` of one player who presses each action for so many steps, and what all others do
-    meanwhile.
+    """Return the actions `[T, P]` of one player who repeats each action for a number of steps, and those of all others.
 
     That player is the first one, or the last one if `first` is False.
     """

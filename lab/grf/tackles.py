@@ -1,7 +1,7 @@
 """Tackles: running into a carrier, sliding at one by angle and distance, and getting past a lone built-in defender.
 
-A tackler is an agent, as in the measurement: it runs at the ball along the nearest of the eight directions. Read next:
-`grf.report`.
+A tackler is an agent, as in GRF's measurement: it runs at the ball along the nearest of the eight directions. Read
+next: `grf.report`.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ from regista.envs.football.kick_off import Roster
 TITLE = "tackles"
 REQUIRED = 0.8
 POINTS = 0.2  # tolerance of a rate
-TRIALS = 60  # at full effort, of the original's 25 or 30
+TRIALS = 60  # at full effort; GRF has 25 or 30
 ONE_EACH = Roster([LEFT, LEFT, RIGHT, RIGHT], [CF, GK, CB, GK])
 CARRIER, TACKLER = 0, 2
-KEEPERS = ((-1.0, 0.0), (1.0, -0.4))  # both far away
+KEEPERS = ((-1.0, 0.0), (1.0, -0.4))  # both far from the duel
 START_X = -0.3  # of the carrier
 TACKLE_STEPS = 60
 TACKLE_FROM = 5.0  # m from the ball at which a standing tackle begins
-UNSURE = 0.2  # m, half the spread of where the tackler is: trials are not all alike
+UNSURE = 0.2  # m, half the spread of the tackler's position, so that trials differ
 SLIDE_STEPS = 25
 SPEEDS = {"stands": 0.0, "runs": 5.1, "sprints": 7.3}  # m/s of the carrier
 KEYS = {"stands": (), "runs": (DIRECTION_RIGHT,), "sprints": (SPRINT, DIRECTION_RIGHT), "dribbles": (DRIBBLE,)}
@@ -54,7 +54,7 @@ SIDES = {"front": (1.0, 0.0), "side": (0.0, 1.0), "behind": (-1.0, 0.0)}  # of t
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Shares of trials in which the tackler's team got the ball, or the tackler fouled; and of yellow cards."""
+    """Shares of trials in which the tackler's team got the ball, the tackler fouled, or saw a yellow card."""
 
     won: float
     foul: float
@@ -62,7 +62,7 @@ class Outcomes:
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare with the original; `effort` scales the number of trials."""
+    """Compare with GRF; `effort` scales the number of trials."""
     n = max(int(TRIALS * effort), 8)
     rows = []
     for target in read_data("tackles_standing"):
@@ -79,7 +79,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def slide_row(target: dict[str, str], ours: Outcomes) -> Row:
-    """Return one way to slide: that of won, foul and nothing which differs most from the original."""
+    """Return the row of one way to slide: the outcome (won, foul or nothing) that differs most from GRF."""
     grf = Outcomes(*(float(target[name]) for name in ("won", "foul", "yellow")))
     pairs = {
         "won": (ours.won, grf.won),
@@ -92,7 +92,7 @@ def slide_row(target: dict[str, str], ours: Outcomes) -> Row:
 
 
 def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) -> Row:
-    """Compare yellow cards per foul by a slide, against carriers who stand, or who run or sprint."""
+    """Compare yellow cards per foul by a slide, against standing carriers, or running and sprinting ones."""
     which = [k for k, target in enumerate(targets) if (target["carrier"] == "stands") == stands]
     grf = sum(float(targets[k]["yellow"]) for k in which) / sum(float(targets[k]["foul"]) for k in which)
     fouls = sum(ours[k].foul for k in which)
@@ -102,8 +102,9 @@ def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) 
 
 
 def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
-    """Return a carrier at full speed with the ball, and a tackler so many m from the ball, at rest on that side of
-    the carrier.
+    """Return a carrier at full speed with the ball, and a tackler at rest.
+
+    The tackler is `distance` m from the ball, on this side of the carrier.
     """
     ball = (START_X + 0.45 / METRES_X, 0.0)
     away = SIDES[side]
@@ -119,7 +120,7 @@ def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
 
 
 def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) -> None:
-    """Play a step: the carrier's keys, the tackler's action, and the keepers stand."""
+    """Play a step with the carrier's actions and the tackler's action, while the keepers stand."""
     actions = np.full((len(stage.matches), stage.num_players), STAND)
     keys = KEYS[carrier]
     actions[:, CARRIER] = keys[step] if step < len(keys) else IDLE
@@ -128,7 +129,7 @@ def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) 
 
 
 def toward_ball(stage: Stage) -> np.ndarray:
-    """Return the direction keys `[N]` that point best from the tackler to the ball, as the tackler sees the pitch."""
+    """Return the direction actions `[N]` that point best from tackler to ball, as the tackler sees the pitch."""
     tackler, ball = stage.matches["players"][:, TACKLER], stage.matches["ball"]
     along, across = ball["x"] - tackler["x"], ball["y"] - tackler["y"]
     away = np.column_stack([along, across])
@@ -146,7 +147,7 @@ def stand_up(carrier: str, side: str, n: int) -> float:
 
 
 def slide_in(carrier: str, side: str, distance: float, n: int) -> Outcomes:
-    """Let tacklers run at the ball and slide when it is so many m away."""
+    """Let tacklers run at the ball and slide when it is `distance` m away."""
     stage = duel(carrier, side, distance, n)
     run_at_ball(stage, side)
     fouled, yellow, won = np.zeros(n, bool), np.zeros(n, bool), np.zeros(n, bool)
@@ -167,7 +168,7 @@ def run_at_ball(stage: Stage, side: str) -> None:
 
 
 def dribble_rows(target: dict[str, str], n: int) -> list[Row]:
-    """Return how often a carrier who runs straight at the goal is stopped, scores, and where the ball is lost."""
+    """Compare how often a carrier running straight at the goal loses the ball or scores, and where the ball is lost."""
     lost, scored, place = run_past(target["carrier"], float(target["ahead"]), float(target["beside"]), n)
     name = f"past one defender, carrier {target['carrier']}, {target['ahead']} m ahead, {target['beside']} m beside"
     rows = [
@@ -180,7 +181,7 @@ def dribble_rows(target: dict[str, str], n: int) -> list[Row]:
 
 
 def run_past(carrier: str, ahead: float, beside: float, n: int, difficulty: float = 0.6) -> tuple[float, float, float]:
-    """Return shares of carriers who lose the ball to a built-in back and who score, and the median x of the losses."""
+    """Return the shares of carriers who lose the ball to a built-in back or score, and the median x of the losses."""
     places = [(0.0, 0.0), KEEPERS[0], (ahead / METRES_X, beside / METRES_Y), (-1.0, 0.4)]
     stage = Stage(places, (0.45 / METRES_X, 0.0), ONE_EACH, n=n)
     stage.matches["players"]["skill"][:, TACKLER] = 0.3 + 0.7 * difficulty
@@ -200,7 +201,7 @@ def run_past(carrier: str, ahead: float, beside: float, n: int, difficulty: floa
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw the rates, standing tackles, slides and runs past a defender, each in the order of its table."""
+    """Draw the rates of standing tackles, slides, and runs past a defender, each in the order of its table."""
     rows = measure(effort)
     panels = []
     for start in ("tackle", "slide", "past"):

@@ -1,14 +1,14 @@
-"""Studies of many games over seeds: the benchmark of the thesis, and what curricula gain; trained, played, tabulated.
+"""Studies of many games over seeds: the benchmark of the thesis, and the gains from curricula.
 
     python -m lab.studies single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     python -m lab.studies generalization --games grf/empty_goal --seeds 1 --total-env-steps 500_000
     python -m lab.studies teams                             # independent policies, parameter sharing, MAPPO
     python -m lab.studies curricula --hours 3               # five methods on seven games
 
-Every run is a folder beneath `--out`, and so are the rows; a second call skips what is finished, continues what is not,
-and plays what has not been played. `--publish` keeps the rows in `lab/studies/results` and writes their tables into
-BENCHMARK.md, or into docs/benchmarks/football.md with a summary in RESULTS.md. Read next:
-`lab/studies/benchmark_study.py` and `lab/studies/curricula_study.py`.
+A study trains and plays runs, and tabulates the results. Every run is a folder beneath `--out`, and the rows are there
+too. A second call skips finished runs, continues unfinished ones, and plays those not yet played. `--publish` keeps the
+rows in `lab/studies/results` and writes their tables into BENCHMARK.md, or into docs/benchmarks/football.md with a
+summary in RESULTS.md. Read next: `lab/studies/benchmark_study.py` and `lab/studies/curricula_study.py`.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from regista.experiments.run.errors import UsageError, nearest, run_command
 
 
 class Study(NamedTuple):
-    """A study by name: what can be typed after it, and what does it. `run` gets what was typed of `train` apart."""
+    """A study by name: its arguments, and the function that runs it. `run` gets the arguments of `train` separately."""
 
     help: str
     config: type[Any]
     run: Callable[[str, Any, dict[str, Any]], int]
-    others: Callable[[str], dict[str, list[Any]]]  # by case, what the study begins with instead; see `arguments.Others`
+    others: Callable[[str], dict[str, list[Any]]]  # by case, other starting settings; see `arguments.Others`
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run a study and return the exit code; an error of the user is one sentence."""
+    """Run a study and return the exit code; a user error is reported in one sentence."""
     return run_command(run_study, argv)
 
 
@@ -57,7 +57,7 @@ def run_study(argv: Sequence[str]) -> int:
 
 
 def about_studies() -> str:
-    """Return what studies there are."""
+    """Return a list of the studies."""
     named = "; ".join(f"{name}: {study.help}" for name, study in STUDIES.items())
     return f"Train many games over seeds, play them and write tables. {named}. Each takes --help; of single and others:"
 

@@ -28,13 +28,13 @@ from regista.minigames.suites import BENCHMARK
 from ued.config import FineTuningConfig, setting
 
 TEAMS_PAGE = "docs/benchmarks/teams.md"
-TEAMS = ("multi", "teams")  # studies of teams alone
-AGENTS = {  # of a study that trains several on each game, as in the tables
+TEAMS = ("multi", "teams")  # studies of teams only
+AGENTS = {  # of studies that train several agents on each game, as in the tables
     "teams": ("ppo", "shared_ppo", "shared_mappo"),
     "demonstrations": ("ppo", "pretrained"),
 }
 FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
-# The games of each study, and whom agents move there.
+# The games of each study, and the players that agents move in each.
 PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "single": tuple((game, BENCHMARK[game].control) for game in FIGURE_2_7),
     "generalization": tuple((game.name, game.control) for game in BENCHMARK.values()),
@@ -50,7 +50,7 @@ PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 
 @dataclass(frozen=True)
 class BenchmarkStudyConfig(StudyConfig):
-    """What is typed after `python -m lab.studies single`, `generalization`, `multi`, `teams` or `demonstrations`."""
+    """Arguments of `python -m lab.studies single`, `generalization`, `multi`, `teams` or `demonstrations`."""
 
     seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1", most=10_000)
     preset: Literal["fast", "thesis"] = setting(
@@ -62,12 +62,12 @@ class BenchmarkStudyConfig(StudyConfig):
     demonstrations: int = setting(
         1000, "successful episodes of a semi-expert program that are cloned", ">=1", most=1_000_000
     )
-    train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method"))  # PPO on the levels as they come
+    train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method"))  # PPO on levels without a curriculum
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
 
 
 class PlannedRun(NamedTuple):
-    """A run that is to be measured; `agent` is as in the tables."""
+    """A run to be measured; `agent` is as in the tables."""
 
     game: str
     agent: str
@@ -76,18 +76,18 @@ class PlannedRun(NamedTuple):
 
     @property
     def cloned(self) -> bool:
-        """Whether it begins with a clone."""
+        """Whether the run begins with a clone."""
         return self.agent.endswith("pretrained")
 
     @property
     def kind(self) -> str:
-        """What its folder is called behind its game: nothing where every agent has a policy of its own from nothing."""
+        """The part of the folder's name after the game; empty for separate policies trained from scratch."""
         name = self.agent.removeprefix(measuring.TEAM)
         return "" if name == "ppo" else f"{name}-"
 
     @property
     def chosen(self) -> dict[str, Any]:
-        """The settings that it is chosen for, by dotted path."""
+        """The run's own settings, by dotted path."""
         kind = self.agent.removeprefix(measuring.TEAM)
         return {"env.control": self.control} | measuring.TEAM_SETTINGS.get(kind, {})
 
@@ -97,8 +97,8 @@ class BenchmarkStudy:
 
     Args:
         name: single, generalization, multi, teams or demonstrations.
-        config: what was typed after it.
-        typed: settings of training that were typed, by dotted path.
+        config: its arguments.
+        typed: settings of training given on the command line, by dotted path.
     """
 
     def __init__(self, name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]) -> None:
@@ -107,7 +107,7 @@ class BenchmarkStudy:
         self.places = places_of(config)
 
     def run(self) -> int:
-        """Train, play and write, a few runs after the others: what is done is in the files when it stops.
+        """Train, play and write, a few runs at a time; a stopped study keeps the results of finished runs.
 
         Returns the exit code.
         """
@@ -137,10 +137,10 @@ class BenchmarkStudy:
         print(f"{table}: {len(rows)} rows{go_on}", file=how.messages)
         return stop.exit_code
 
-    # ------------------------------------------------------------ which runs
+    # ------------------------------------------------------------ planned runs
 
     def planned(self) -> Iterator[PlannedRun]:
-        """Yield the runs of the study, one seed of everything after the other."""
+        """Yield the runs of the study, seed by seed."""
         typed = arguments.replace_paths(self.runs.base, self.typed).ppo
         agents = AGENTS.get(self.name)
         for seed in range(self.config.seeds):
@@ -150,7 +150,7 @@ class BenchmarkStudy:
                 yield from (PlannedRun(game, team + agent, control, seed) for agent in agents or (kind,))
 
     def games(self) -> list[tuple[str, str]]:
-        """Return the games, each with whom its agents move: a team of each kind, or one agent."""
+        """Return the games, each with the players that its agents move: a team of each kind, or one agent."""
         known = PAIRS[self.name]
         games = [find_minigame(game) for game in self.config.games or dict.fromkeys(game for game, _ in known)]
         pairs = []
@@ -171,7 +171,7 @@ class BenchmarkStudy:
     # ------------------------------------------------------------ their folders
 
     def open(self, planned: Sequence[PlannedRun], stop: StopRequest) -> tuple[list[RunFolder], list[RunFolder]]:
-        """Create the folders of runs or open them; clones, with which some of them begin, are made first."""
+        """Create or open the folders of runs; the clones with which some of them begin are made first."""
         clones: list[RunFolder] = []
         runs: list[RunFolder] = []
         for plan in planned:
@@ -186,7 +186,7 @@ class BenchmarkStudy:
         return clones, runs
 
     def make_clone(self, planned: PlannedRun, stop: StopRequest) -> Path | None:
-        """Let the semi-expert program play, and clone it; return the clone's folder, None if somebody asked to stop."""
+        """Let the semi-expert program play, and clone it; return the clone's folder, None after a request to stop."""
         config = self.config
         seen = arguments.replace_paths(self.runs.base, self.typed).env.representation
         name = f"{planned.game.replace('/', '_')}-{planned.control}-{seen}"
@@ -202,14 +202,14 @@ class BenchmarkStudy:
             with redirect_stdout(config.launch.messages):
                 code = command.main(words)
             if code:
-                stop.signal = code - 128  # which the command has caught
+                stop.signal = code - 128  # a signal that the command has caught
                 return None
         return out
 
-    # ------------------------------------------------------------ what is refused
+    # ------------------------------------------------------------ refused settings
 
     def check_published(self) -> None:
-        """Refuse to mix runs of other settings than a preset's with those that the repository holds of it."""
+        """Refuse to mix runs that deviate from a preset with the preset's published runs."""
         others = sorted(self.typed.keys() - BOOKKEEPING)
         others += [] if self.config.fine_tuning == FineTuningConfig() else ["kl_to_clone"]
         if others and self.config.publish:
@@ -217,7 +217,7 @@ class BenchmarkStudy:
             raise UsageError(f"with {flags} it is no run of preset {self.config.preset}; leave out --publish")
 
     def check_same(self, planned: Sequence[PlannedRun]) -> None:
-        """Refuse to go on with runs of other settings: those that are measured are not opened any more.
+        """Refuse to continue with runs of other settings, including measured runs, which are not opened again.
 
         Raises `ConfigError` that names the run, the setting and both values.
         """
@@ -233,12 +233,12 @@ def run_benchmark(name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]
 
 
 def places_of(config: BenchmarkStudyConfig) -> Places:
-    """Return where a study writes: beneath its folder, or in the repository if the settings say so."""
+    """Return the output locations of a study: beneath its folder, or in the repository with `publish`."""
     return Places.of(None if config.publish else config.out, "BENCHMARK.md")
 
 
 def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
-    """Return what runs of a preset begin with: of `fast` the budget is a study's, of `thesis` its own."""
+    """Return the starting settings of a preset's runs: `fast` has the budget of the study, `thesis` its own."""
     if config.preset == "fast":
         return config.train
     chosen = presets()[config.preset]
@@ -247,13 +247,13 @@ def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
 
 
 def presets_of_benchmark(name: str) -> dict[str, list[Any]]:
-    """Return what the runs of a study begin with under the other preset, for its help."""
+    """Return the starting settings of a study's runs with the other preset, for its help."""
     config = BenchmarkStudyConfig(preset="thesis")
     return {"with --preset thesis": [replace(config, train=starting_point(config))]}
 
 
 def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:
-    """Play runs on all scenes of their games, and what needs no training where that is not known yet."""
+    """Play runs on all scenes of their games, and also random actions and semi-expert programs without known rows."""
     rows: list[Row] = []
     for run in runs:
         game = run.config.minigame

@@ -1,8 +1,8 @@
-"""Does a curriculum pay early, late or never? Differences to domain randomization after parts of the budget.
+"""Does a curriculum help early, late or never? Differences to domain randomization after parts of the budget.
 
-`python -m lab.studies.tables curricula` prints the table; `python -m lab.studies curricula --publish` draws the
-picture, too. Rates are those of evaluations during training, on the games' test scenes: held-out scenes are evaluated
-once, at the end. Read next: `lab/studies/tables.py`, the tables of held-out scenes.
+`python -m lab.studies.tables curricula` prints the table; `python -m lab.studies curricula --publish` also draws the
+picture. Rates come from evaluations during training on the games' test scenes; held-out scenes are evaluated once, at
+the end. Read next: `lab/studies/tables.py`, the tables of held-out scenes.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from ued.statistics import Difference, bootstrap, detectable
 
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
-MOST_COLUMNS = 4  # panels of the picture in a row
-APART = 0.045  # between the intervals of two methods at the end, relative to the curves
+MOST_COLUMNS = 4  # maximum number of panels in a row of the picture
+APART = 0.045  # gap between the final intervals of two methods, relative to the curves
 EQUAL, SIMULATED = "equal student steps", "equal simulated steps"
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
 LINK = """![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)
@@ -34,7 +34,7 @@ LINK = """![Success on test scenes over simulated steps](../../experiments/galle
 
 
 def section(points: Sequence[Point]) -> str:
-    """Return the table of differences by budget with its legend, in Markdown; "" where no two methods have a game."""
+    """Return the table of differences by budget with its legend, in Markdown; "" if no game has two methods."""
     points, names = comparable(points)
     if len(names) < 2:
         return ""
@@ -98,13 +98,13 @@ def by_game(points: Sequence[Point], names: Sequence[str]) -> str:
 
 
 def methods(points: Sequence[Point]) -> list[str]:
-    """Return the methods that have points, in the order of the study."""
+    """Return the methods with points, in the order of the study."""
     found = {point.agent for point in points}
     return [name for name in COMPARISONS["curricula"].variants if name in found]
 
 
 def comparable(points: Sequence[Point]) -> tuple[list[Point], list[str]]:
-    """Return the points of games that all methods have, and the methods: a study that goes on has others, too."""
+    """Return the points of games that all methods have, and the methods; an unfinished study also has other games."""
     names, games = methods(points), unique([point.game for point in points])
     have = {(point.game, point.agent) for point in points}
     shared = [game for game in games if all((game, name) in have for name in names)]
@@ -118,7 +118,7 @@ def gain(points: Sequence[Point], name: str, first: str, part: float) -> Differe
 
 
 def share_learned(points: Sequence[Point], name: str) -> float:
-    """Return the share of the simulated steps that a method's tested student learned from, 0 if it is not known."""
+    """Return the share of the simulated steps that a method's tested student learned from; 0 if unknown."""
     ends: dict[tuple[str, int], Point] = {}
     for point in points:
         if point.agent == name:
@@ -129,14 +129,14 @@ def share_learned(points: Sequence[Point], name: str) -> float:
 
 
 def at_equal_student_steps(points: Sequence[Point], name: str, first: str, share: float) -> Difference:
-    """Return the difference of a method at its end to the first one after as many steps as the method learned from."""
+    """Return the difference between a method at its end and the first method after an equal number of student steps."""
     return significance.difference_of_means(rates(points, name, 1.0), rates(points, first, share))
 
 
 def rates(points: Sequence[Point], agent: str, part: float) -> np.ndarray:
     """Return the success rates `[R, G]` of a method on all games after a part of the budget.
 
-    A run is a seed with its students of all games; seeds that lack one are left out.
+    A run is a seed with its students of all games; incomplete seeds are left out.
     """
     games = unique([point.game for point in points])
     found: dict[tuple[int, str], list[Point]] = {}
@@ -148,13 +148,13 @@ def rates(points: Sequence[Point], agent: str, part: float) -> np.ndarray:
 
 
 def nearest(curve: Sequence[Point], part: float) -> Point:
-    """Return the evaluation of a run nearest to a part of its budget: methods evaluate at slightly different steps."""
+    """Return the evaluation of a run nearest to a part of its budget; methods evaluate at slightly different steps."""
     budget = max(point.env_steps for point in curve)
     return min(curve, key=lambda point: abs(point.env_steps - part * budget))
 
 
 def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
-    """Draw success on the test scenes over training steps: a panel for each game, means and intervals over runs."""
+    """Draw success on the test scenes over training steps: one panel per game, means and intervals over runs."""
     games, names = unique([point.game for point in points]), methods(points)
     rows = -(-len(games) // MOST_COLUMNS)
     columns = -(-len(games) // rows)
@@ -169,7 +169,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
             axes.set_title(game)
             if index + columns < len(games):
                 plots.shorten_steps(axes)
-            else:  # no panel stands below it
+            else:  # no panel below this one
                 plots.label_steps(axes)
         for axes in grid.flat[len(games) :]:
             axes.set_visible(False)
@@ -182,7 +182,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
 
 
 def draw_game(axes: plots.Axes, points: Sequence[Point], names: Sequence[str]) -> None:
-    """Draw the mean over each method's runs of one game, and the 95% intervals at the end side by side."""
+    """Draw the mean over each method's runs of one game, and the final 95% intervals side by side."""
     budget, rng = max(point.env_steps for point in points), np.random.default_rng(0)
     parts = np.linspace(0.1, 1, 10)
     for place, name in enumerate(names):

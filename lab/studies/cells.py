@@ -1,4 +1,4 @@
-"""Cells of the tables of studies: estimates with their intervals, and how many runs they are of.
+"""Cells of the tables of studies: estimates with their intervals, and numbers of runs.
 
 Read next: `lab/studies/tables.py` and `lab/studies/goals.py`, which make tables of them.
 """
@@ -14,7 +14,7 @@ from ued.statistics import Interval
 
 
 def runs_and_steps(rows: Sequence[Row]) -> list[str]:
-    """Return of how many runs the rows of an agent are, and after how many steps they were played."""
+    """Return the number of runs among the rows of an agent, and their numbers of training steps."""
     steps = unique([count(env_steps) for env_steps in sorted({row.env_steps for row in rows})])
     return [str(len({row.seed for row in rows})), " to ".join(steps)]
 

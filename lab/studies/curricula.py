@@ -1,12 +1,12 @@
-"""What the studies of curricula compare: games with their budgets, methods with settings, and what was tuned.
+"""Games with their budgets, methods with their settings, and tuned settings for the studies of curricula.
 
-A variant is a method with settings of its own; the first of a comparison is the reference of the others. Read next:
+A variant is a method with its own settings; the first variant of a comparison is the reference. Read next:
 `lab/studies/curricula_study.py`, which trains and evaluates.
 
-When five runs of `curricula` leave a game open, ten decide. The rule, set before any final run: a game is open if a
-method's difference to DR in it excludes 0 but does not survive Holm's correction over the table. DR and that method
-then get five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`. The table is that
-of the summary, with all games measured by then.
+If five runs of `curricula` leave a game open, ten decide. The rule was set before any final run: a game is open if a
+method's difference to DR excludes 0 but does not survive Holm's correction over the table. DR and that method then get
+five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`. The table is that of the
+summary, over all measured games.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Variant(NamedTuple):
     """A method, its settings that differ from the defaults, and its budget as a multiple of the game's."""
 
     method: str
-    settings: Settings = {}  # noqa: RUF012 - nobody writes into it
+    settings: Settings = {}  # noqa: RUF012 - read-only
     times: int = 1
 
 
@@ -30,7 +30,7 @@ class Comparison(NamedTuple):
     Attributes:
         variants: by their names in tables; the first is the reference.
         games: settings of each game.
-        first_seed: of the first run. Seeds below 1000 are of final tables: no run by which anything is chosen has one.
+        first_seed: of the first run. Seeds below 1000 are for final tables; no run that selects a setting uses them.
         seeds: runs of each variant on each game.
         more_seeds: further runs of a variant on a game that the first ones leave open, by the rule above.
         held_out: evaluate on held-out scenes; False: on validation scenes, see `lab.studies.measuring`.
@@ -45,7 +45,7 @@ class Comparison(NamedTuple):
 
     @property
     def most_seeds(self) -> int:
-        """The most runs of a variant on a game."""
+        """The maximum number of runs of a variant on a game."""
         return self.seeds + self.more_seeds
 
 
@@ -54,34 +54,34 @@ LONG: Settings = {"num_envs": 16, "ppo.num_steps": 512}
 
 
 def games(env_steps: int, *names: str) -> dict[str, Settings]:
-    """Return games that are trained for so many steps."""
+    """Return settings of games with a budget of `env_steps`."""
     return {name: {"total_env_steps": env_steps, **LONG} for name in names}
 
 
 GAMES = games(
     20_000_000, "1v1Restricted", "1v1Free", "ChoosePassing", "3v2FourBehaviors", "CrossingWide", "Buildup"
 ) | {
-    # A mixture steps its games one after the other, so many environments are three times as fast; updates are as large
+    # A mixture steps its games in sequence, so many environments are three times as fast; the batch size is the same
     "AcademyLadder": {"total_env_steps": 20_000_000, "num_envs": 128, "ppo.num_steps": 64}
 }
 
-# ---------------------------------------------------------------- tuning: six settings of each method, one run of each
+# ---------------------------------------------------------------- tuning: six settings per method, one run each
 
 
 def ppo(rate: float, entropy: float) -> Settings:
-    """Return a learning rate and an entropy bonus."""
+    """Return settings of a learning rate and an entropy bonus."""
     return {"ppo.learning_rate": rate, "ppo.ent_coef": entropy}
 
 
 def replay(group: str, score: str, **more: Any) -> Settings:
-    """Return settings of a level buffer; learnability needs several episodes on a level."""
+    """Return settings of a level buffer; learnability needs several episodes per level."""
     episodes = {"episodes_per_level": 4} if score == "learnability" else {}
     chosen = {"score": score, "buffer.temperature": 1.0} | episodes | more
     return {f"{group}.{name}": value for name, value in chosen.items()}
 
 
 SCORES = ("max_mc", "positive_value_loss", "learnability")
-PPO = ppo(0.003, 0.01)  # of all methods: of DR's six the best mean over games of success on validation scenes
+PPO = ppo(0.003, 0.01)  # for all methods: DR's setting (of six) with the best mean success on validation scenes
 
 TUNING = {
     f"dr, rate {rate:g}, entropy {entropy:g}": Variant("dr", ppo(rate, entropy))
@@ -122,11 +122,11 @@ TUNING |= {
     for name, settings in mine.items()
 }
 
-# ---------------------------------------------------------------- what is compared
+# ---------------------------------------------------------------- compared variants
 
 REPLAY = replay("plr", "max_mc")
 
-METHODS = {  # of each, the best of its six
+METHODS = {  # the best of six settings each
     "dr": Variant("dr", PPO),
     "paired": Variant("paired", PPO),
     "robust_plr": Variant("robust_plr", PPO | REPLAY),
@@ -135,18 +135,18 @@ METHODS = {  # of each, the best of its six
 }
 MORE_ENTROPY: Settings = {"paired.adversary.ent_coef": 0.1}
 STRONG_CLONING: Settings = {"paired.kl": "both_ways", "paired.kl_coef": 1.0, "paired.kl_every": 1}
-ABLATIONS = {  # one cause at a time, and one pair of them
+ABLATIONS = {  # one change at a time, and one pair of changes
     "dr": Variant("dr", PPO),
     "paired": Variant("paired", PPO),
     "self_regret": Variant("self_regret", PPO | {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
-    "eight episodes": Variant("paired", PPO | {"paired.episodes_per_level": 8}),  # less luck in regret
+    "eight episodes": Variant("paired", PPO | {"paired.episodes_per_level": 8}),  # less noise in regret
     "mean regret": Variant("paired", PPO | {"paired.regret": "mean_mean"}),  # likewise
     "no random levels": Variant("paired", PPO | {"paired.dr_fraction": 0.0}),
     "half random levels": Variant("paired", PPO | {"paired.dr_fraction": 0.5}),  # against forgetting
     "repaired": Variant("repaired", PPO),  # likewise
     "more entropy": Variant("paired", PPO | MORE_ENTROPY),  # against collapse
     "scripted antagonist": Variant("paired", PPO | {"paired.antagonist": "scripted"}),  # no steps for an antagonist
-    "strong cloning": Variant("paired", PPO | STRONG_CLONING),  # against a protagonist that is left behind
+    "strong cloning": Variant("paired", PPO | STRONG_CLONING),  # against a protagonist that falls behind
     "strong cloning, more entropy": Variant("paired", PPO | STRONG_CLONING | MORE_ENTROPY),
     "fixed roles": Variant("paired", PPO | {"paired.roles": "dennis2020"}),
     "twice the steps": Variant("paired", PPO, times=2),
@@ -155,7 +155,7 @@ ABLATIONS = {  # one cause at a time, and one pair of them
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=30, more_seeds=5),
     "ablations": Comparison(ABLATIONS, games(4_000_000, "1v1Restricted", "3v2FourBehaviors"), first_seed=1000),
-    "tuning": Comparison(  # of Buildup every setting of DR solves 3% after so many steps, which ranks none
+    "tuning": Comparison(  # without Buildup: every setting of DR solves 3% after this budget, so it ranks no settings
         TUNING,
         games(4_000_000, "1v1Restricted", "ChoosePassing", "3v2FourBehaviors"),
         first_seed=1000,

@@ -1,4 +1,4 @@
-"""The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out scenes.
+"""The studies of curricula: methods over games, changes of PAIRED and of PPO, with runs played on held-out scenes.
 
     python -m lab.studies curricula --hours 3                # after three hours call it again
     python -m lab.studies tuning                             # six settings of each method, on validation scenes
@@ -39,12 +39,12 @@ from regista.experiments.run.folder import RunFolder
 from ued.config import LARGEST_SEED, setting
 
 PAGE = "docs/benchmarks/football.md"
-TESTS = 10  # of a student during its training
+TESTS = 10  # evaluations of a student during training
 
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """What is typed after `python -m lab.studies curricula`, `ablations` or `tuning`."""
+    """Arguments of `python -m lab.studies curricula`, `ablations` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
     seeds: int | None = setting(None, "runs of each variant on each game; default: the study's", most=10_000, least=1)
@@ -58,7 +58,7 @@ class CurriculaStudyConfig(StudyConfig):
 
 
 class PlannedVariant(NamedTuple):
-    """A run that is to be measured: a game, a variant by its name, a seed, and the settings that come of them."""
+    """A run to be measured: a game, a variant by its name, a seed, and the resulting settings."""
 
     game: str
     agent: str
@@ -71,8 +71,8 @@ class CurriculaStudy:
 
     Args:
         name: curricula, ablations or tuning.
-        config: what was typed after it.
-        typed: settings of training that were typed, by dotted path.
+        config: its arguments.
+        typed: settings of training given on the command line, by dotted path.
     """
 
     def __init__(self, name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> None:
@@ -82,7 +82,7 @@ class CurriculaStudy:
         self.places = Places.of(None if config.publish else config.out, PAGE)
 
     def run(self) -> int:
-        """Train, one seed of all games after the other, play and write each finished run; return the exit code."""
+        """Train seed by seed, play and write each finished run; return the exit code."""
         self.check_published()
         table, curves = (self.places.results / f"{self.name}{end}.csv" for end in ("", "_curves"))
         check_present(table, load(table))
@@ -105,17 +105,17 @@ class CurriculaStudy:
         return stop.exit_code
 
     def measure(self, table: Path, curves: Path, agents: Mapping[Path, str], run: RunFolder) -> None:
-        """Play a finished run and write its rows; its curve first, since a run with rows is not measured again."""
+        """Play a finished run and write its curve, then its rows, since a run with rows is not measured again."""
         rows, points = measure_variant(run, agents[run.path], self.config.episodes, self.comparison.held_out)
         add(curves, points, Point)
         add(table, rows)
 
     def planned(self) -> Iterator[PlannedVariant]:
-        """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
+        """Yield the runs of the study, seed by seed. Raises `UsageError` for unknown names."""
         games = [build.find_game(game).name for game in self.config.games or self.comparison.games]
         variants = {name: self.variant(name) for name in self.config.variants or self.comparison.variants}
         first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
-        budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own
+        budget = {"total_env_steps": self.config.train.total_env_steps}  # for games outside of the study
         count = self.comparison.seeds if self.config.seeds is None else self.config.seeds
         for seed in range(first, first + count):
             for game in games:
@@ -127,18 +127,18 @@ class CurriculaStudy:
                     yield PlannedVariant(game, name, seed, chosen | about)
 
     def variant(self, name: str) -> Variant:
-        """Return the variant of this name. Raises `UsageError` where the study has none."""
+        """Return the variant of this name. Raises `UsageError` if the study has none."""
         variants = self.comparison.variants
         if name not in variants:
             raise UsageError(f"no variant {name!r}{nearest(name, variants)}; {self.name} has {', '.join(variants)}")
         return variants[name]
 
     def open(self, plan: PlannedVariant) -> RunFolder:
-        """Create the folder of a run or open it, if it was made with the same settings."""
+        """Create the folder of a run, or open it if it was made with the same settings."""
         return self.runs.open(plan.game, plan.seed, plan.settings, f"{plan.agent.replace(' ', '_')}-")
 
     def check_published(self) -> None:
-        """Refuse to put into the repository what the study does not say: other settings, other seeds."""
+        """Refuse to publish runs with other settings or seeds than the study's."""
         others = [arguments.flag_name(path.rpartition(".")[2]) for path in sorted(self.typed.keys() - BOOKKEEPING)]
         others += ["--first-seed"] if self.config.first_seed is not None else []
         others += ["--seeds"] if (self.config.seeds or 0) > self.comparison.most_seeds else []
@@ -148,7 +148,7 @@ class CurriculaStudy:
 
 
 def games_of_study(name: str) -> dict[str, list[Any]]:
-    """Return what all runs of a study have on its own games, for its help; variants have further settings."""
+    """Return the common settings of all runs on a study's own games, for its help; variants have further settings."""
     variants = [variant.settings.items() for variant in COMPARISONS[name].variants.values()]
     common = dict(item for item in variants[0] if all(item in other for other in variants))
     cases: dict[str, list[str]] = {}
@@ -161,7 +161,7 @@ def games_of_study(name: str) -> dict[str, list[Any]]:
 
 
 def _trained(settings: Settings) -> CurriculaStudyConfig:
-    """Return what a run begins with, and settings by dotted path."""
+    """Return starting settings of a run, changed by dotted path."""
     return arguments.replace_paths(CurriculaStudyConfig(), {f"train.{path}": v for path, v in settings.items()})
 
 

@@ -1,4 +1,4 @@
-"""The thesis's benchmark as tables: goal differences per episode, ours beside those published of GRF.
+"""Tables of the thesis's benchmark: goal differences per episode, ours beside published numbers of GRF.
 
 Read next: `minigames/published.csv`, the published numbers; `lab/studies/tables.py`, which puts tables onto pages.
 """
@@ -20,26 +20,26 @@ from ued.statistics import Interval, spearman
 
 SPLITS = (TRAIN, "test")
 RANDOM = "random"
-COMPARED = {  # policies whose numbers are compared with published ones in a sentence: agent, split
+COMPARED = {  # policies compared with published numbers in the second table: agent, split
     "one agent, training scenes": ("ppo", TRAIN),
     "one agent, test scenes": ("ppo", "test"),
     "teams, training scenes": (f"{TEAM}ppo", TRAIN),
     "random policies, test scenes": (RANDOM, "test"),
 }
-# Attacks have positive numbers and defenses negative ones, which alone gives a correlation over all games.
+# Attacks have positive numbers and defenses negative ones, which alone causes a correlation over all games.
 SIDES = {"all": ("",), "attacks": ("grf/", "offense/"), "defenses": ("defense/",)}
-FEWEST = 4  # games that a correlation needs
+FEWEST = 4  # minimum number of games for a correlation
 
 
 class Cell(NamedTuple):
-    """A policy on the training or test scenes of a game; `published` is None if nobody has published it."""
+    """A policy on the training or test scenes of a game; `published` is None without a published number."""
 
     ours: Interval
     published: Published | None
 
 
 def of_one_agent(rows: Sequence[Row]) -> str:
-    """Return the table of single agents, and one that compares all policies with published numbers."""
+    """Return the table of single agents, and a table that compares all policies with published numbers."""
     single = goals_table([row for row in rows if not row.agent.startswith(TEAM)])
     parts = [as_markdown(single)]
     said = [
@@ -66,7 +66,7 @@ def of_teams(rows: Sequence[Row]) -> str:
 
 
 def goals_table(rows: Sequence[Row]) -> list[list[str]]:
-    """Return a row for each game, whom agents move, and method; a random policy is a column."""
+    """Return a row for each game, set of moved players and method; the random policy is a column."""
     table = [["game", "moved", "method", TRAIN, "published", RANDOM, "test", "published", RANDOM, "runs", "env steps"]]
     for key in sorted({(row.game, row.control, row.agent) for row in rows if row.agent != RANDOM}):
         cells = []
@@ -83,17 +83,17 @@ def goals_table(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def cell(rows: Sequence[Row], game: str, control: str, agent: str, split: str) -> Cell | None:
-    """Return the estimate of a policy, and what is published of it; None if it was not played there."""
+    """Return the estimate of a policy and the published number; None if the policy was not played on these scenes."""
     key = (game, control, agent, split)
     found = [row.result() for row in rows if (row.game, row.control, row.agent, row.scene) == key]
     if not found:
         return None
-    moved = control if agent == RANDOM or agent.startswith(TEAM) else ""  # of programs the words differ
+    moved = control if agent == RANDOM or agent.startswith(TEAM) else ""  # names of moved players differ by program
     return Cell(estimate.mean_return(found), find_published(game, agent, split, moved))
 
 
 def agreement(rows: Sequence[Row], agent: str, split: str) -> list[str]:
-    """Return the cells that compare a policy with published numbers over games; none below `FEWEST` games."""
+    """Return the cells that compare a policy with published numbers over games; empty below `FEWEST` games."""
     keys = sorted({(row.game, row.control) for row in rows if row.agent == agent})
     cells = [found for game, control in keys if (found := cell(rows, game, control, agent, split)) is not None]
     pairs = [(mine.ours, mine.published) for mine in cells if mine.published is not None]
@@ -115,5 +115,5 @@ def agreement(rows: Sequence[Row], agent: str, split: str) -> list[str]:
 
 
 def told(known: Published) -> str:
-    """Return a published number with half of its interval, if that is known."""
+    """Return a published number with half of its interval, if the interval is known."""
     return f"{known.goal_difference:+z.2f}" + ("" if known.interval is None else f" ± {known.interval:.2f}")

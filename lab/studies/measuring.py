@@ -1,6 +1,7 @@
-"""Playing a run, random actions or a semi-expert program on all scenes of a minigame, and making rows of it.
+"""Play a run, the random policy or a semi-expert program on all scenes of a minigame, and make rows of the results.
 
-Goals count, whatever the rewards of training. All policies meet the same levels. Read next: `lab/studies/rows.py`.
+Results count goals, whatever the rewards of training. All policies play the same levels. Read next:
+`lab/studies/rows.py`.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ from regista.experiments.run.provenance import commit
 from regista.experiments.run.table import read_columns
 from ued.core.task import TRAINING_SCENE
 
-TEAM = "team_"  # before the names of agents
-HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
-TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
+TEAM = "team_"  # prefix of the names of agents
+HELD_OUT = "held out, "  # prefix of the names of scenes that are never used for tuning
+TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of teams trained from scratch, by kind
     "ppo": {},  # independent policies and critics, as in the thesis
     "shared_ppo": {"ppo.team": "shared"},
     "mappo": {"ppo.critic": "central"},
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 
 def measure_run(run: RunFolder, episodes: int) -> list[Row]:
-    """Play so many episodes of a trained run on each scene of its minigame."""
+    """Play `episodes` episodes of a trained run on each scene of its minigame."""
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
     evaluations = EvalScenes(run.config, game, episodes).play(student)
@@ -47,7 +48,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
 
 
 def agent_of(run: RunFolder) -> str:
-    """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
+    """Return the name of an agent in tables, by its training and whether it is a team."""
     trained = {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label)
     if run.config.env.control == find_minigame(run.config.minigame).control:
         return trained or "ppo"
@@ -55,16 +56,16 @@ def agent_of(run: RunFolder) -> str:
 
 
 def team_kind(config: PPOConfig) -> str:
-    """Return what a team that learns so is called: whether policies are shared, and what the critic sees."""
+    """Return the name of a team's algorithm: whether policies are shared, and whether the critic is central."""
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 
 def measure_variant(run: RunFolder, agent: str, episodes: int, held_out: bool) -> tuple[list[Row], list[Point]]:
     """Play a run on random levels and on scenes of its game; return rows, and its learning curve.
 
-    `held_out`: on the game's held-out scenes, or on its test scenes if it has no others. Such rows are called
-    `held out, ...`. No tuning run may be played on them: of a game without further test scenes, tuning plays random
-    levels alone and has no curve.
+    `held_out`: on the game's held-out scenes, or on its test scenes if it has no others. Such rows are named `held out,
+    ...`. No tuning run may be played on them. In a game without further test scenes, tuning plays only random levels
+    and has no curve.
     """
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
@@ -87,7 +88,7 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
     tested = np.flatnonzero(np.isfinite(scenes).all(0))
     student = next(
         values for name, values in table.items() if name.endswith("/trained_steps")
-    )  # the tested one is first
+    )  # the tested student is first
     trained = np.cumsum(np.nan_to_num(student))
     columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
     about = (run.config.minigame, agent, run.config.seed)
@@ -99,14 +100,14 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
-    """Play so many episodes of random actions on each scene of a minigame, of the players that a run moves."""
+    """Play `episodes` random-policy episodes on each scene of a minigame, with the players that a run moves."""
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])["random"]
     return rows_of(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
 
 
 def measure_experts(game: Minigame, episodes: int) -> list[Row]:
-    """Play so many episodes of each of a game's semi-expert programs."""
+    """Play `episodes` episodes of each of a game's semi-expert programs."""
     from lab.grf.experts import OURS, Expert, play_expert
 
     rows = []
@@ -120,7 +121,7 @@ def measure_experts(game: Minigame, episodes: int) -> list[Row]:
 
 
 def rows_of(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
-    """Return a row for each scene of a run that was played, with what `about` says of the policy."""
+    """Return a row for each played scene of a run, with the policy's data from `about`."""
     rows = []
     for label, evaluation in evaluations.items():
         scene = TRAIN if label == TRAINING_SCENE else label
@@ -130,7 +131,7 @@ def rows_of(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: d
 
 
 def _row(difference: np.ndarray, lengths: np.ndarray, env: FootballConfig) -> dict[str, Any]:
-    """Return what a row says of the goal differences `[E]` and lengths `[E]` of episodes."""
+    """Return the measured columns of a row from goal differences `[E]` and lengths `[E]` of episodes."""
     return {
         "control": env.control,
         "episodes": len(difference),

@@ -1,4 +1,4 @@
-"""What was measured on a minigame, as rows: a policy on a scene, and how it came about. Kept as CSV in the repository.
+"""Rows of measurements on a minigame: a policy on a scene, and its training. Stored as CSV in the repository.
 
 Read next: `lab/studies/measuring.py`, where rows come from; `lab/studies/tables.py`, what is made of them.
 """
@@ -17,8 +17,8 @@ from regista.experiments.run.report import save_rows
 from regista.experiments.run.results import Result
 from regista.experiments.run.table import read_rows
 
-RESULTS = Path(__file__).parent / "results"  # of studies that are kept in the repository
-MOST = 10**15  # of any number in a row
+RESULTS = Path(__file__).parent / "results"  # of studies that the repository holds
+MOST = 10**15  # upper bound of any number in a row
 SIGNED = ("goal_difference", "mean_return", "value")  # numbers that may be negative
 TRAIN = "train"  # the scene of the training distribution
 
@@ -31,7 +31,7 @@ class Row(NamedTuple):
     control: str
     scene: str
     seed: int
-    env_steps: int  # of the training, 0 where nothing was learned
+    env_steps: int  # of the training, 0 without training
     episodes: int
     goal_difference: float  # per episode
     deviation: float  # between episodes
@@ -40,14 +40,14 @@ class Row(NamedTuple):
     mean_length: float  # steps
     seconds: float  # of the training
     commit: str
-    simulator: str  # the version that was played, as `versions.spelled` has it
+    simulator: str  # the version that was played, as in `versions.spelled`
 
     def key(self) -> tuple[str, str, str, str, int]:
-        """Return what a later row of the same takes the place of."""
+        """Return the key of the row; a later row with the same key replaces it."""
         return self[:5]
 
     def result(self) -> Result:
-        """Return the row as one that intervals are estimated from."""
+        """Return the row as a result for estimating intervals."""
         return Result(
             method=self.agent,
             seed=self.seed,
@@ -63,7 +63,7 @@ class Row(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point of a learning curve: the mean success over the test scenes of a minigame after so much training."""
+    """A point of a learning curve: the mean success over the test scenes of a minigame after some training."""
 
     game: str
     agent: str
@@ -72,17 +72,17 @@ class Point(NamedTuple):
     seconds: float
     success: float  # between 0 and 1
     simulator: str  # as in `Row`
-    trained_steps: int = 0  # of the student that is tested: steps that it learned from; 0: unknown
+    trained_steps: int = 0  # steps that the tested student learned from; 0: unknown
 
     def key(self) -> tuple[str, str, int, int]:
-        """Return what a later point of the same takes the place of."""
+        """Return the key of the point; a later point with the same key replaces it."""
         return self[:4]
 
 
 def load(path: Path, kind: Any = Row) -> list[Any]:
-    """Return the rows of a file, of class `kind`; none if it is not there. Raises `CommandError` for a damaged one.
+    """Return the rows of a file, of class `kind`; none without a file. Raises `CommandError` for a damaged file.
 
-    Rows without a version of the simulator are of an unnumbered one.
+    Rows without a version of the simulator get the unnumbered one.
     """
     read, unnumbered = get_type_hints(kind), {versions.KEY: str(UNNUMBERED)}
     try:
@@ -93,7 +93,7 @@ def load(path: Path, kind: Any = Row) -> list[Any]:
 
 
 def _checked(row: Any) -> Any:
-    """Return a row as it is. Raises ValueError for numbers that nobody has measured, and for no simulator."""
+    """Return a row unchanged. Raises ValueError for impossible numbers, and for a missing simulator."""
     if row.simulator != versions.NO_SIMULATOR and not row.simulator.isdecimal():
         raise ValueError(f"simulator is {row.simulator!r}")
     for name, number in row._asdict().items():
@@ -106,8 +106,9 @@ def _checked(row: Any) -> Any:
 
 
 def check_present(path: Path, rows: Sequence[Any]) -> None:
-    """Raise `CommandError` where rows of a file are of another version of the simulator than this: they are neither
-    added to nor published.
+    """Raise `CommandError` if rows of a file are of another version of the simulator.
+
+    Such rows are neither extended nor published.
     """
     for version in sorted({row.simulator for row in rows} - {versions.NO_SIMULATOR}, key=int):
         refused = "they can be neither published nor added to; move the file away to measure them again"
@@ -115,16 +116,16 @@ def check_present(path: Path, rows: Sequence[Any]) -> None:
 
 
 def played_on(rows: Iterable[Any]) -> str:
-    """Return on which simulators rows were measured, in words."""
+    """Return the simulators on which rows were measured, in words."""
     found = dict.fromkeys(row.simulator for row in rows)
     names = ["no simulator of ours" if text == versions.NO_SIMULATOR else simulator_name(int(text)) for text in found]
     return " and ".join(names)
 
 
 def add(path: Path, rows: Iterable[Any], kind: Any = Row) -> list[Any]:
-    """Put rows into a file, in the place of older ones of the same, and return all of it.
+    """Put rows into a file in place of older rows with equal keys, and return all rows of the file.
 
-    Raises `CommandError` if the disk refuses.
+    Raises `CommandError` if writing fails.
     """
     by_key = {row.key(): row for row in [*load(path, kind), *rows]}
     kept = [by_key[key] for key in sorted(by_key)]
@@ -133,6 +134,6 @@ def add(path: Path, rows: Iterable[Any], kind: Any = Row) -> list[Any]:
 
 
 def trained(rows: Sequence[Row], game: str, agent: str, control: str, seed: int) -> int:
-    """Return after how many steps of training an agent was measured, 0 if it was not."""
+    """Return the training steps after which an agent was measured, 0 if it was not measured."""
     key = (game, agent, control, seed)
     return max((row.env_steps for row in rows if (row.game, row.agent, row.control, row.seed) == key), default=0)

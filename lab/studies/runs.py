@@ -1,4 +1,4 @@
-"""The runs of a study: their folders and settings, how many are trained at a time, and for how long.
+"""The runs of a study: their folders and settings, the number trained at a time, and the time limit.
 
 Read next: `regista.experiments.run.launch.workers`, which trains; `lab/studies/measuring.py`, which plays.
 """
@@ -21,35 +21,35 @@ from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from ued.config import Checked, setting
 
-STEPS = 1_000_000  # of a run, where a study knows of no better budget
+STEPS = 1_000_000  # of a run, for studies without their own budget
 CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
-# Settings that may be typed where a study's own are to be kept
+# Settings that may be changed on the command line without leaving the study's own
 BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
 ROOT = Path(__file__).resolve().parents[2]  # of the checkout
-LONGEST = 24 * 365.0  # hours, where nobody says how many
+LONGEST = 24 * 365.0  # hours, the default limit
 
 
 def training(rewards: str = "scoring") -> TrainConfig:
-    """Return what runs of a study begin with: nothing but training."""
+    """Return the starting settings of a study's runs: training only, without evaluation or recording."""
     env = FootballConfig(rewards=rewards)
     return TrainConfig(method="dr", total_env_steps=STEPS, eval_every=0, record=False, env=env)
 
 
 class Places(NamedTuple):
-    """Where a study leaves what it has measured: a folder of CSV files, and a page of its tables; None: printed."""
+    """Output locations of a study: a folder of CSV files, and a page of its tables; None: the tables are printed."""
 
     results: Path
     page: Path | None
 
     @classmethod
     def of(cls, out: Path | None, page: str) -> Places:
-        """Return those beneath a folder, or the repository's own where there is none."""
+        """Return the places beneath a folder, or those of the repository if `out` is None."""
         return cls(RESULTS, ROOT / page) if out is None else cls(out / "results", None)
 
 
 @dataclass(frozen=True)
 class StudyConfig(Checked):
-    """What is typed after the name of any study."""
+    """Arguments that all studies share."""
 
     games: tuple[str, ...] = setting((), "minigames instead of the study's own")
     hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0", most=1_000_000)
@@ -58,12 +58,12 @@ class StudyConfig(Checked):
 
 @dataclass(frozen=True)
 class StudyRuns:
-    """Where the runs of a study are kept, and what their settings are.
+    """Folders and settings of a study's runs.
 
     Attributes:
-        folder: above all of them.
-        base: what they begin with.
-        typed: settings that were typed, by dotted path.
+        folder: parent of all run folders.
+        base: starting settings.
+        typed: settings given on the command line, by dotted path.
     """
 
     folder: Path
@@ -73,9 +73,9 @@ class StudyRuns:
     def plan(
         self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = ""
     ) -> tuple[Path, TrainConfig]:
-        """Return a run's folder and settings: the base with what the minigame says, what was typed, what is chosen.
+        """Return a run's folder and settings: the base, changed by the minigame, by `typed` and by `chosen`.
 
-        `kind` is what the folder is called behind the game. Raises `UsageError` for an unknown game.
+        `kind` is the part of the folder's name after the game. Raises `UsageError` for an unknown game.
         """
         found = build.find_game(game)
         control = found.start("fast").env.control
@@ -87,12 +87,12 @@ class StudyRuns:
         return self.folder / name, config
 
     def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:
-        """Create the folder of a run or open it, if it was made with the same settings; see `plan`."""
+        """Create the folder of a run, or open it if it was made with the same settings; see `plan`."""
         return RunFolder.create_or_extend(*self.plan(game, seed, chosen, kind))
 
 
 class Deadline(StopRequest):
-    """A request to stop that comes by itself after so many hours: nobody has asked then, and the exit code is 0."""
+    """A request to stop after `hours` hours; unlike a signal, it leaves the exit code at 0."""
 
     def __init__(self, hours: float) -> None:
         super().__init__()
@@ -107,7 +107,7 @@ def train_and_measure(
 ) -> bool:
     """Train the unfinished runs, and `measure` each run as soon as it is finished; return whether all are measured.
 
-    A study that is stopped or killed then loses no more than the measurement of the runs that have just ended.
+    A study that is stopped or killed thus loses only the measurement of runs that have just ended.
     """
     for run in runs:
         if run.finished() and not stop:

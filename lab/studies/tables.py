@@ -39,12 +39,12 @@ from ued.statistics import Difference
 NOTE = (
     "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
 )
-MOST_SCENES = 6  # that have columns of their own
+MOST_SCENES = 6  # maximum number of scenes with their own columns
 
 
 @dataclass(frozen=True)
 class TablesConfig:
-    """What is typed after `python -m lab.studies.tables`."""
+    """Arguments of `python -m lab.studies.tables`."""
 
     name: str = positional("curricula, ablations, tuning, fast or thesis", default="")
     results: Path = setting(RESULTS, "folder of the CSV files of studies")
@@ -73,22 +73,22 @@ def main(argv: Sequence[str]) -> int:
 
 
 def publish_summary(results: Path, page: Path | None = None) -> None:
-    """Print the summary of the study of methods, or put it into its place on a page; see `publish`."""
+    """Print the summary of the study of methods, or put it onto a page; see `publish`."""
     rows = stored(results, "curricula")
     show(summary(rows) if rows else f"{results / 'curricula.csv'} has no rows.", page, "study: summary", "Football")
 
 
 def publish_teams(results: Path, name: str, page: Path | None = None) -> None:
-    """Print the table of teams of a benchmark study, or put it into its place on a page; see `publish`."""
+    """Print the table of teams of a benchmark study, or put it onto a page; see `publish`."""
     rows = stored(results, name)
     text = f"{goals.of_teams(rows)}\n\n{about(rows, name, ' --teams')}"
     show(text, page, f"study: {name}, teams", f"Teams, {name}")
 
 
 def publish(results: Path, name: str, page: Path | None = None) -> None:
-    """Print the tables of a file of rows, or put them into their place on a page, which is its end if it has none.
+    """Print the tables of a file of rows, or put them between their marks on a page; without marks, at its end.
 
-    Raises `CommandError` for rows of another version of the simulator, and if the disk refuses.
+    Raises `CommandError` for rows of another version of the simulator, and if writing fails.
     """
     rows = stored(results, name)
     text = tables(rows, name) if rows else f"{results / name}.csv has no rows."
@@ -109,7 +109,7 @@ def stored(results: Path, name: str) -> list[Row]:
 
 
 def show(text: str, page: Path | None, mark: str, heading: str) -> None:
-    """Print a text, or put it into its place on a page; see `put`."""
+    """Print a text, or put it onto a page; see `put`."""
     if page is None:
         print(text)
     else:
@@ -119,7 +119,7 @@ def show(text: str, page: Path | None, mark: str, heading: str) -> None:
 def put(page: Path, mark: str, text: str, heading: str) -> None:
     """Put a text between its marks on a page; a page without them gets them at its end, below a heading.
 
-    Raises `CommandError` if a mark has no end, and if the disk refuses.
+    Raises `CommandError` if a mark has no end, and if writing fails.
     """
     begin, end, old = f"<!-- {mark} -->", "<!-- end -->", page.read_text() if page.exists() else "# Results\n"
     if begin not in old:
@@ -131,7 +131,7 @@ def put(page: Path, mark: str, text: str, heading: str) -> None:
 
 
 def tables(rows: Sequence[Row], name: str) -> str:
-    """Return the tables, and below them what was played and the command."""
+    """Return the tables, and a note with the played episodes and the command."""
     if name == "tuning":
         return tuning_text(rows)
     if name in COMPARISONS:
@@ -143,21 +143,21 @@ def tables(rows: Sequence[Row], name: str) -> str:
 
 
 def about(rows: Sequence[Row], name: str, flag: str = "") -> str:
-    """Return what numbers a table holds, what was played, and the command."""
+    """Return a note on the quantity of a table, the played episodes, and the command."""
     unit = "Success rates" if name in COMPARISONS else "Goal differences per episode"
     return f"{unit}. {NOTE}. Measured on {played_on(rows)}; `python -m lab.studies.tables {name}{flag}`."
 
 
 def games_of(rows: Sequence[Row], name: str) -> list[str]:
-    """Return the games that have rows, the study's own first, in its order."""
+    """Return the games with rows, the study's own first, in its order."""
     found = unique([row.game for row in rows])
     return [game for game in unique([*COMPARISONS[name].games, *found]) if game in found]
 
 
 def summary(rows: Sequence[Row]) -> str:
-    """Return one table: success of the first method on each game and of all games, and the others' differences to it.
+    """Return one table: success of the first method on each game and on all games, and differences to it.
 
-    "All games" are means over games of the runs with the same seed, of games and methods that all have them.
+    "All games" are means over games of the runs with the same seed, if all games have all methods.
     """
     found = games_of(rows, "curricula")
     scores = {game: held_out_scores([row for row in rows if row.game == game], "curricula") for game in found}
@@ -190,21 +190,21 @@ def summary(rows: Sequence[Row]) -> str:
 
 
 def shared_seeds(rows: Sequence[Row], games: Sequence[str], names: Sequence[str]) -> set[int]:
-    """Return the seeds that these methods have on each of these games."""
+    """Return the seeds for which all of these methods have a run on each of these games."""
     runs = {(row.game, row.agent, row.seed) for row in rows}
     seeds = {seed for _, _, seed in runs}
     return {seed for seed in seeds if all((game, name, seed) in runs for game in games for name in names)}
 
 
 def over_games(scores: Sequence[estimate.Scores]) -> estimate.Scores:
-    """Return the means over scenes of each game as columns `[R, G]`, of runs with the same R seeds."""
+    """Return the means over scenes of each game as columns `[R, G]`, for runs with the same R seeds."""
     rates = [mine.rates.mean(1) for mine in scores]
     errors = [np.sqrt((mine.errors**2).sum(1)) / mine.errors.shape[1] for mine in scores]
     return estimate.Scores(np.stack(rates, 1), np.stack(errors, 1))
 
 
 def tuning_text(rows: Sequence[Row]) -> str:
-    """Return a table of all settings that were tried, the best of each method in bold."""
+    """Return a table of all tuned settings, with the best of each method in bold."""
     rates, best = tuned_rates(rows), best_settings(rows).values()
     table = [["method, setting", *games_of(rows, "tuning"), "mean"]]
     for name, each in rates.items():
@@ -219,7 +219,7 @@ def tuning_text(rows: Sequence[Row]) -> str:
 
 
 def tuned_rates(rows: Sequence[Row]) -> dict[str, list[float]]:
-    """Return the success of each setting that was tried on all games, by game, in the order of the study."""
+    """Return the success of each setting with runs on all games, by game, in the order of the study."""
     found = games_of(rows, "tuning")
     by_name = {
         name: [[row for row in rows if (row.game, row.agent) == (game, name)] for game in found]
@@ -229,7 +229,7 @@ def tuned_rates(rows: Sequence[Row]) -> dict[str, list[float]]:
 
 
 def best_settings(rows: Sequence[Row]) -> dict[str, str]:
-    """Return the name of the best setting of each method, by the mean over games; of equals the first."""
+    """Return the name of the best setting of each method, by the mean over games; the first one of equals."""
     best: dict[str, str] = {}
     rates, variants = tuned_rates(rows), COMPARISONS["tuning"].variants
     for name, each in rates.items():
@@ -240,7 +240,7 @@ def best_settings(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def validation_rate(rows: Sequence[Row]) -> float:
-    """Return the mean success of a run on its test scenes, or on random levels if no other scenes were played."""
+    """Return the mean success of a run on its test scenes, or on random levels without other scenes."""
     tests = [row for row in rows if row.scene != TRAIN] or rows
     return float(np.mean([row.scored / row.episodes for row in tests]))
 
@@ -248,7 +248,7 @@ def validation_rate(rows: Sequence[Row]) -> float:
 def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method.
 
-    Of games with many scenes only random levels and the mean are shown.
+    For games with many scenes, only random levels and the mean are shown.
     """
     tests = unique([row.scene for row in rows if row.scene != TRAIN])
     scenes = [TRAIN, *(tests if len(tests) <= MOST_SCENES else ())]
@@ -275,20 +275,20 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
 
 
 def held_out_scores(rows: Sequence[Row], name: str) -> dict[str, estimate.Scores]:
-    """Return the success rates on all scenes but random levels, of each method with rows, in the study's order."""
+    """Return the success rates of each method with rows on all scenes but random levels, in the study's order."""
     held_out = [row.result() for row in rows if row.scene != TRAIN]
     mine = {method: [row for row in held_out if row.method == method] for method in COMPARISONS[name].variants}
     return {method: estimate.scores(results, method) for method, results in mine.items() if results}
 
 
 def gains_of(scores: Mapping[str, estimate.Scores]) -> dict[str, Difference]:
-    """Return the difference of each method but the first to the first."""
+    """Return the difference between each method and the first one."""
     first, *others = scores
     return {method: estimate.score_advantage(scores[method], scores[first]) for method in others}
 
 
 def below(rows: Sequence[Row], name: str) -> str:
-    """Return the lines below the table of a game: the legend of its marks, and which differences cannot be seen."""
+    """Return the note below a game's table: the legend of its marks, and the smallest detectable difference."""
     scores = held_out_scores(rows, name)
     size = 100 * estimate.detectable_score(list(scores.values()))
     counts = [len(mine.rates) for mine in scores.values()]

@@ -1,4 +1,4 @@
-"""The fixtures of the command line's tests, and the settings of all tests; see `tests/conftest.py`."""
+"""Fixtures of the command line's tests, and the settings of all tests; see `tests/conftest.py`."""
 
 from tests.conftest import pytest_runtest_makereport
 from tests.experiments.conftest import begun, engine, nobody_left, trained_here, undrawn

@@ -1,4 +1,4 @@
-"""`python -m lab.benchmarks --suite language`: every program of the table is there, and measured."""
+"""`python -m lab.benchmarks --suite language`: every program of the table exists and is measured."""
 
 import json
 

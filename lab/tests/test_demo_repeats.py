@@ -1,4 +1,4 @@
-"""The demo's repetitions: the Makefile's command with other seeds, each with its row, and none done twice."""
+"""The demo's repetitions: the Makefile's command with other seeds, a row for each, and no repetition done twice."""
 
 import csv
 
@@ -18,7 +18,7 @@ def test_the_command_is_that_of_the_makefile():
 
 @pytest.fixture
 def asked(tmp_path, monkeypatch):
-    """Return the commands that repetitions give; DR's rates are 50% to 54%, PLR's 70% to 74%."""
+    """Return the commands of the repetitions; DR's rates are 50% to 54%, PLR's 70% to 74%."""
     given = []
 
     def compare(words):

@@ -1,4 +1,4 @@
-"""The family `academy`: how scenes are drawn, policies by name, and what is counted of their episodes."""
+"""The family `academy`: drawing scenes, policies by name, and counts of their episodes."""
 
 import json
 
@@ -20,7 +20,7 @@ PASSING = "pass_and_shoot_with_keeper"
 
 
 def starts(scene, count=DRAWN):
-    """Return players' places [N, P, 2] and balls [N, 2] at the start of drawn levels, in m, and the levels."""
+    """Return players' positions [N, P, 2] and balls [N, 2] at the start of drawn levels, in m, and the levels."""
     env = FootballVectorEnv(program_text(SCENES[scene], JITTER), count, config=academy.OURS)
     levels = academy.drawn_levels(env, count)
     env.reset_to_levels(levels)
@@ -37,7 +37,7 @@ def test_every_player_is_displaced_by_himself_and_the_ball_goes_with_its_carrier
     off = places - middle
     assert np.abs(off).max() <= JITTER + 1e-2 and (np.abs(off).max(0) > 0.9 * JITTER).all()
     each = np.corrcoef(off.reshape(len(off), -1).T) - np.eye(off[0].size)
-    assert np.abs(each).max() < 0.35  # 200 draws of independent ones: a standard error of 0.07
+    assert np.abs(each).max() < 0.35  # 200 independent draws have a standard error of 0.07
     ball = np.array([fixed["ball"][axis] for axis in "xy"])
     left = middle[: len(SCENES[scene].left)]
     carrier = np.linalg.norm(left - ball, axis=1).argmin()

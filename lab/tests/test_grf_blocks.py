@@ -1,4 +1,4 @@
-"""Shots past a lone back, compared with the real engine's."""
+"""Shots past a lone back, compared with GRF's."""
 
 from __future__ import annotations
 

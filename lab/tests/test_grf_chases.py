@@ -1,4 +1,4 @@
-"""The family of backs and chasers: what it measures."""
+"""The family of backs and chasers: its measurements."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The randomized differential test: drawn scenes, distances between engines, what is printed and written."""
+"""The randomized differential test: drawn scenes, distances between engines, printed and written results."""
 
 import json
 from dataclasses import replace
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 
 
 def straight(speed, lengths, ended=RUNNING):
-    """Return episodes in which the ball and the only player go straight on, at speeds [E] in m per step."""
+    """Return episodes in which the ball and the only player move straight, at speeds [E] in m per step."""
     ball = np.zeros((len(speed), STEPS + 1, 3))
     ball[..., 0] = np.array(speed)[:, None] * np.arange(STEPS + 1)
     count = len(speed)
@@ -63,8 +63,8 @@ def test_scenes_have_two_to_eleven_players_a_side_on_the_pitch():
 
 def test_distances_are_means_over_pairs_that_both_go_on():
     pair = Pair(draw_scene("0:0"), straight([0.1, 0.1], [60, 60]), straight([0.1, 0.3], [60, 60]))
-    assert pair.apart(10, "ball") == pytest.approx(1.0)  # of 0, 2, 0, 2 m
-    assert pair.apart(10, "ball", limit=True) == pytest.approx(2.0)  # of the two different ones alone
+    assert pair.apart(10, "ball") == pytest.approx(1.0)  # mean of 0, 2, 0, 2 m
+    assert pair.apart(10, "ball", limit=True) == pytest.approx(2.0)  # mean of the two different pairs alone
     assert pair.apart(40, "players") == pytest.approx(4.0)
     short = Pair(draw_scene("0:0"), straight([0.1, 0.1], [60, 60]), straight([0.1, 0.3], [60, 15]))
     assert short.apart(20, "ball") == pytest.approx(0.0) and np.isnan(short.apart(20, "ball", limit=True))
@@ -84,10 +84,10 @@ def test_energy_distance_is_what_both_are_apart_beyond_their_own_spread():
 
     alike, apart = pair(0, [0.1, 0.3], [0.1, 0.3]), pair(1, [0.1, 0.3], [0.4, 0.6])
     assert apart.energy(10, "ball") == pytest.approx(3.0 - 0.5 * (2.0 + 2.0))
-    assert alike.energy(10, "players") == pytest.approx(1.0 - 2.0)  # two episodes may be luck: unbiased over scenes
-    assert pair(2, [0.2, 0.2], [0.1, 0.3]).energy(10, "ball") == pytest.approx(0.0)  # the middle thing gains nothing
+    assert alike.energy(10, "players") == pytest.approx(1.0 - 2.0)  # unbiased over scenes, noisy for two episodes
+    assert pair(2, [0.2, 0.2], [0.1, 0.3]).energy(10, "ball") == pytest.approx(0.0)  # playing the mean gains nothing
     mean, error = energies([alike, apart, pair(3, [0.1, 0.3], [0.4, 0.6], (60, 5))])["ball_10"]
-    assert mean == pytest.approx(0.0) and error == pytest.approx(1.0)  # the third has no two that go on
+    assert mean == pytest.approx(0.0) and error == pytest.approx(1.0)  # the third pair has too few long episodes
     assert energy_table([alike, apart])[1][:2] == ["ball", "0.00 ± 1.00"]
 
 

@@ -1,4 +1,4 @@
-"""Semi-expert programs: every page is a match, its players do what it says, and both engines' rates are reported."""
+"""Semi-expert programs: every page is a match, its players run its behaviors, and both engines' rates are reported."""
 
 import json
 
@@ -38,7 +38,7 @@ def test_a_page_is_the_match_that_it_is_named_after(name):
 
 
 def test_one_agent_moves_who_is_his_and_the_ai_the_others():
-    """All eleven have the behavior, which is at work in one of them at a time."""
+    """All eleven have the behavior, but it is active in one player at a time."""
     env = FootballVectorEnv(HERE / "experts" / "11_vs_gk.scenic", 8, config=FootballConfig(control="active"))
     env.reset(seed=0)
     for _ in range(60):
@@ -50,7 +50,7 @@ def test_one_agent_moves_who_is_his_and_the_ai_the_others():
 
 def test_a_runner_scores_and_a_team_passes():
     one = Expert("run_to_score", False, 0.4, 100)
-    # 85 of 200; 42 of 84 in the real engine, whose keeper often slides at the ball and misses it
+    # 85 of 200; 42 of 84 in GRF, whose keeper often slides at the ball and misses it
     assert play_expert(one, OURS, 64).scored.sum() >= 16
     team = play_expert(Expert("team_counterattack", True, 0.4, None), OURS, 8)
     owners = [set(row[row >= 0]) for row in team.owner]
@@ -62,7 +62,7 @@ def test_rates_and_ranks_are_told_of_both_engines():
     chosen = [each for each in experts() if each.name in ("run_to_score", "team_pass_and_shoot")]
     found = list(play_experts(chosen, OURS, 4))
     assert [each.rates()["published"] for each in found] == [0.4245, 0.51]
-    assert "0.42 [0.37, 0.48]" in found[0].line() and found[1].line()[4] == "0.51"  # of how many is not known
+    assert "0.42 [0.37, 0.48]" in found[0].line() and found[1].line()[4] == "0.51"  # unknown number of episodes
     alike = [Found(found[0].expert, found[0].ours, found[0].ours), Found(found[1].expert, found[1].ours, found[1].ours)]
     assert correlations(alike)["ours, grf"] in (1.0, pytest.approx(np.nan, nan_ok=True))
 

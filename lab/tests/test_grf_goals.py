@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def run(tmp_path):
-    """Return a run that has learned nothing yet."""
+    """Return an untrained run."""
     words = ["academy/pass_and_shoot_with_keeper", "--method=dr", "--representation=simple115"]
     short = ["--total-env-steps=64", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]
     assert train.main([*words, *short, "--out", str(tmp_path / "short")]) == 0

@@ -1,4 +1,4 @@
-"""The keeper's family of comparisons with Google Research Football: what it measures, at little effort."""
+"""The keeper's family of comparisons with Google Research Football: its measurements at low effort."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ pytestmark = pytest.mark.drawn
 
 
 def test_a_free_ball_is_followed_to_the_line():
-    """30 m/s along the diagonal from 10 m: there after a third of a second and a little, at 1 m."""
+    """A ball 10 m away at 30 m/s along the diagonal arrives after a little more than a third of a second, at 1 m."""
     y, height, time = cross_line(np.array([[45.0, 5.0, 0.11]]), np.array([[30.0, -15.0, 4.0]]))[0]
     assert y == pytest.approx(0.0, abs=0.1)
     assert 0.6 < height < 1.2

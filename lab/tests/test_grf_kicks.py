@@ -1,4 +1,4 @@
-"""The families of passes and shots: what holds at little effort."""
+"""The families of passes and shots: properties that hold at low effort."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The family `matches`: what is counted of whole matches."""
+"""The family `matches`: counts in whole matches."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Scripted players of whole matches: what each does in a hand-made situation, and what is counted of a match."""
+"""Scripted players of whole matches: their actions in hand-made situations, and the counts of a match."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ TOP_RIGHT, TOP, BOTTOM_RIGHT = 4, 3, 6  # direction keys
 
 
 def sight(me=(0.0, 0.0), ball=None, mates=(), opponents=(), mine=True):
-    """Return what one agent sees, whose ball is at its feet where nothing else is said."""
+    """Return the observation of one agent, with the ball at its feet by default."""
     nobody = np.full((1, 1, 2), np.nan)
     return Sight(
         np.array([me]),
@@ -23,7 +23,7 @@ def sight(me=(0.0, 0.0), ball=None, mates=(), opponents=(), mine=True):
 
 
 def pressed(player, seen, monkeypatch, steps=1):
-    """Return the keys of some steps, none of them a step of the sprint key."""
+    """Return the actions of some steps, except for sprint actions."""
     monkeypatch.setattr(players, "look", lambda matches: seen)
     player.begin(1)
     return [int(player(None, 8 * step)[0]) for step in range(steps)]

@@ -1,4 +1,4 @@
-"""The academy's programs are the original's scenarios, which `lab.grf.scenes` has as stages."""
+"""The academy's programs equal the GRF scenarios in `lab.grf.scenes`."""
 
 import numpy as np
 import pytest
@@ -26,5 +26,5 @@ def test_everybody_stands_where_the_original_has_him(name):
     for axis in "xy":
         np.testing.assert_allclose(mine["players"][axis], theirs["players"][axis], atol=1e-3)
         np.testing.assert_allclose(mine["ball"][axis], theirs["ball"][axis], atol=1e-9)
-    assert lineup.config.game_duration == 401  # steps, which the original gives an episode of 400
+    assert lineup.config.game_duration == 401  # steps; GRF plays 400 steps
     assert lineup.config.end_episode_on_possession_change and not lineup.config.offsides

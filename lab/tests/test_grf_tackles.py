@@ -1,4 +1,4 @@
-"""The tackles' family of comparisons with Google Research Football: what it measures, at little effort."""
+"""The tackles' family of comparisons with Google Research Football: its measurements at low effort."""
 
 import pytest
 

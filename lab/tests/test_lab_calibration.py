@@ -1,4 +1,4 @@
-"""Fits of `lab/calibration` recover the numbers of synthetic data, and its laws are the simulator's."""
+"""Fits of `lab/calibration` recover the numbers of synthetic data, and its laws equal the simulator's."""
 
 import ast
 
@@ -27,7 +27,7 @@ RNG = np.random.default_rng(0)
 
 
 def recovers(law, names, losses, changed, within=4.0):
-    """Return whether a fit from the shipped values on finds the changed ones, within so many standard errors."""
+    """Return whether a fit from the shipped values finds the changed ones within a number of standard errors."""
     found = fit_fields(law, names, losses)
     wanted = np.array([getattr(changed, name) for name in names])
     assert np.isfinite(found.errors).all()
@@ -47,7 +47,7 @@ def test_logistic_regression():
 
 
 def test_least_squares_have_the_errors_of_the_textbook():
-    rng = np.random.default_rng(0)  # its own: the numbers do not depend on the tests before it
+    rng = np.random.default_rng(0)  # a new generator: the numbers do not depend on earlier tests
     x = rng.normal(size=2000)
     y = 2.0 * x + 0.5 * rng.normal(size=2000)
     found = fit(lambda values: squares(y - values[0] * x, 0.5), [0.0])
@@ -70,7 +70,7 @@ def test_number_that_no_row_tells_has_no_error_and_bad_starts_are_refused():
         fit(lambda values: np.array([np.nan]), [1.0])
 
 
-# ---------------------------------------------------------------- laws, from data that were drawn of them
+# ---------------------------------------------------------------- fits of laws to data drawn from them
 
 
 def drawn_shots(count):

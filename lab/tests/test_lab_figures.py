@@ -1,4 +1,4 @@
-"""Figures of the lab: shared colors, and legends that say what is drawn and fit."""
+"""Figures of the lab: shared colors, and legends that fit and name all drawn curves."""
 
 import re
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.drawn
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """Return the figures that are drawn instead of saved."""
+    """Return the figures, which are recorded instead of saved."""
     found = []
     for module in (figures, plots):
         monkeypatch.setattr(module, "save", lambda figure, path: found.append(figure))

@@ -1,4 +1,4 @@
-"""Commands of the lab that pages quote exist and have the flags shown; every script has its line in the README."""
+"""Commands of the lab on pages exist and have the flags shown; every script has its line in the README."""
 
 import io
 import re
@@ -26,7 +26,7 @@ QUOTED = sorted(
 
 @cache
 def flags(module, study=""):
-    """Return the flags that the help of a module names."""
+    """Return the flags in the help of a module."""
     shown, main = io.StringIO(), {"lab.studies": studies, "lab.benchmarks": benchmarks}[module]
     with redirect_stdout(shown), suppress(SystemExit):
         main([*study.split(), "--help", "all"] if study else ["--help"])

@@ -1,4 +1,4 @@
-"""`python -m lab.thesis`: what chapter 4 trains, its figures and tables, and what may be published."""
+"""`python -m lab.thesis`: the runs of chapter 4, its figures and tables, and the conditions for publishing."""
 
 import pytest
 
@@ -19,7 +19,7 @@ def row(agent="dr", seed=0, scene="train", goals=10, game="1v1Restricted"):
 
 
 def measured(runs=6):
-    """Return rows of a game in the order of a file: methods and scenes by the alphabet."""
+    """Return rows of a game in the order of a file: methods and scenes in alphabetical order."""
     scenes = ["train", *(label for label, _ in MINIGAMES["1v1Restricted"].tests)]
     gain = {"dr": 0, "paired": 8}
     return sorted(
@@ -86,7 +86,7 @@ def test_figures_explain_their_marks_and_close_colors_have_other_lines(monkeypat
     looks = {line.get_label(): line for line in shown.axes[0].lines}
     assert (
         len({str(line._dash_pattern) for line in looks.values()}) == 3
-    )  # the methods' own, and one each of the others
+    )  # the methods' own, and one for each other method
     shade = looks["PAIRED (Dennis et al.)"].get_color()
     assert shade in shades_of(plots.color("paired")) and looks["DR"].get_color() == plots.color("dr")
     assert shown.axes[0].get_xlim()[0] == 0
@@ -130,7 +130,7 @@ def test_the_built_in_ai_meets_the_four_strategies(tmp_path, capsys):
     assert {one.episodes for one in rows} == {30} and sum(one.scored for one in rows) > 20
     assert "| A: chases the ball | +0." in capsys.readouterr().out
     assert command.main(["strategies", "--episodes", "40", "--out", str(tmp_path)]) == 0
-    assert load(tmp_path / "results" / "thesis_strategies.csv") == rows  # what has rows is not played again
+    assert load(tmp_path / "results" / "thesis_strategies.csv") == rows  # runs with rows are not played again
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""The lab's scripts of transfer: tables are made of CSV files alone, pages have them, and units are done once."""
+"""The lab's scripts of transfer: tables come from CSV files alone, pages contain them, and units are done once."""
 
 import importlib
 import pickle
@@ -23,7 +23,7 @@ def lab():
 
 
 def run_rows(game, representation="features", seed=SEED, ours=80, grf=30, **more):
-    """Return the rows of a run: so many goals of 200 episodes in our simulator and of 50 in GRF."""
+    """Return the rows of a run: `ours` goals of 200 episodes in our simulator, and `grf` goals of 50 in GRF."""
     ends = dict.fromkeys([f"ended/{word}" for word in ENDINGS[:-1]], 0.0)
     key = {"simulator": "7", "game": game, "representation": representation, "seed": seed, "env_steps": 500_000}
     row = {"mean_return": -0.25, "return_error": 0.01, "median_length": 60.0, **ends, **more}
@@ -112,7 +112,7 @@ def test_parts_begin_with_the_first_seed_of_all_games(lab):
     assert len(units) == 90 and [unit.key["seed"] for unit in units[:19]] == [SEED] * 18 + [SEED + 1]
     assert units[0].settings["program.param"] == ("jitter=1",) and "program.param" not in units[8].settings
     for part in lab["transfer"].PARTS.values():
-        assert pickle.loads(pickle.dumps(list(part()))) == list(part())  # as other processes get them
+        assert pickle.loads(pickle.dumps(list(part()))) == list(part())  # as sent to other processes
     assert {name: len(list(part())) for name, part in lab["transfer"].PARTS.items()} == {
         "policies": 90,
         "defense": 12,
@@ -140,7 +140,7 @@ def test_what_has_rows_of_this_simulator_is_not_done_again(lab, tmp_path, monkey
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [0, 8])  # of the academy, whose levels are jittered, and another game
+@pytest.mark.parametrize("number", [0, 8])  # a game of the academy, whose levels are jittered, and another game
 def test_a_run_is_trained_once_and_played_in_both_engines(lab, tmp_path, monkeypatch, number):
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     transfer = lab["transfer"]
@@ -156,6 +156,6 @@ def test_a_run_is_trained_once_and_played_in_both_engines(lab, tmp_path, monkeyp
     config = RunFolder.open(folder).config
     assert config.env.representation == "simple115" and config.env.rewards == "scoring,checkpoints"
     assert (config.program.param, config.env.engine_spread) == ((("jitter=1",) if number == 0 else ()), 0.15)
-    monkeypatch.setattr(transfer.train, "main", None)  # it is trained
+    monkeypatch.setattr(transfer.train, "main", None)  # the run is already trained
     again = transfer.do(unit, options)
     assert [dict(row, core_seconds=0) for row in again] == [dict(row, core_seconds=0) for row in rows]

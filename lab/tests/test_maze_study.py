@@ -1,4 +1,4 @@
-"""The maze study: a small one is trained, stored and made into tables."""
+"""The maze study: a small study is trained, stored and tabulated."""
 
 import csv
 
@@ -23,7 +23,7 @@ BRIEF = "--num-envs 4 --num-steps 64 --eval-every 1024 --eval-episodes 1 --hidde
 
 @pytest.fixture
 def stored(tmp_path, trained_here, monkeypatch):
-    """Two runs of two methods, trained and stored."""
+    """Return two runs of two methods, trained and stored."""
     (tmp_path / "small_mazes.py").write_text(SMALL)
     rows = {"dr": f"--method dr {BRIEF}", "mine": f"--method plr {BRIEF}"}
     part = mazes.Part(f"{tmp_path}/small_mazes.py:small", "25 blocks", 2, 2048, rows)
@@ -35,7 +35,7 @@ def stored(tmp_path, trained_here, monkeypatch):
     assert mazes.main([*words, "--seeds", "1"]) == 0
     assert {row["seed"] for row in read(tmp_path / "maze_levels.csv")} == {"0"}
     assert mazes.main(words) == 0  # the second seed
-    assert mazes.main(words) == 0  # nothing
+    assert mazes.main(words) == 0  # nothing left to train
     (tmp_path / "maze_published.csv").write_text(
         "walls,env_steps,runs,method,maze,solved\n25 blocks,1,10,dr,Maze,0.5\n25 blocks,1,10,dr,Labyrinth,0.2\n"
     )

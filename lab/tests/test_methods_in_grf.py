@@ -1,4 +1,4 @@
-"""`python -m lab.methods_in_grf`: which runs it plays, in which engines, and its table."""
+"""`python -m lab.methods_in_grf`: its runs, its engines, and its table."""
 
 from functools import partial
 

@@ -85,7 +85,7 @@ def test_rows_of_another_version_or_with_other_columns_are_refused(tmp_path):
 
 @pytest.fixture
 def part(tmp_path, monkeypatch):
-    """Make `order` a part of two short runs for each of two seeds; return its CSV file, and what is typed."""
+    """Make `order` a part of two short runs for each of two seeds; return its CSV file, and the command line."""
     short = {"num_envs": 4, "ppo.num_steps": 512}
     cells = [Cell("1v1Rare", "first", "dr", "dr", short), Cell("1v1Rare", "last", "paired", "paired", short)]
     monkeypatch.setattr(paired_football, "PARTS", {"order": Part(cells, range(2), 8192)})
@@ -106,7 +106,7 @@ def test_a_part_is_trained_and_what_has_a_row_is_not_trained_again(part, begun, 
     assert any(shares) and "nan" not in shares  # a fifth without proposals has no share
     assert "| 1v1Rare | last | paired | 2 |" in capsys.readouterr().out
     for folder in path.parent.glob("runs/order/*/*.pt"):
-        folder.unlink()  # another machine: the rows alone are there
+        folder.unlink()  # on another machine, only the rows exist
     assert main(words) == 0
     assert begun == first and path.read_text() == text
 

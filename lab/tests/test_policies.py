@@ -1,4 +1,4 @@
-"""`make policies` on tiny budgets writes what is installed, in the same layout. Read next: `lab.policies`."""
+"""`make policies` on tiny budgets writes the files to install, in the same layout. Read next: `lab.policies`."""
 
 import re
 
@@ -38,7 +38,7 @@ def test_policies_are_made_in_the_same_layout(tmp_path, capsys):
     assert table.startswith("# Games\n\n<!-- policies -->\n| policy |") and table.endswith("<!-- end -->\n\nmore\n")
     assert re.findall(r"^\| `(shipped:[^`]+)` \|", table, re.M) == [f"shipped:{game}" for game in policies.POLICIES]
     before = (out / "maze" / "checkpoint.pt").read_bytes()
-    policies.main(["maze", *words])  # its training has finished
+    policies.main(["maze", *words])  # its training is finished
     assert (out / "maze" / "checkpoint.pt").read_bytes() == before and page.read_text() == table
 
 

@@ -1,4 +1,4 @@
-"""All CSV files of the lab: whole rows, the simulator that was played, seeds of final tables and of tuning."""
+"""All CSV files of the lab: complete rows, the simulator version, seeds of final tables and of tuning."""
 
 import csv
 import re
@@ -15,7 +15,7 @@ from tests.floors import ROOT
 LAB = ROOT / "lab"
 FILES = sorted(LAB.glob("**/*.csv"))
 MEASURED = [path for path in FILES if "data" not in path.parts]  # the others are measurements of GRF
-EARLY = {"paired_frontier.csv": range(20, 30)}  # tuning on other seeds than those from 1000 on
+EARLY = {"paired_frontier.csv": range(20, 30)}  # tuning on seeds below 1000
 
 
 @cache
@@ -27,7 +27,7 @@ def rows_of(path):
 
 @cache
 def listed():
-    """Return what the page says of each file: (rows, played on)."""
+    """Return the page's entry for each file: (rows, simulator)."""
     page = (LAB / "README.md").read_text()
     found = re.findall(r"^\| \[`([^`]+\.csv)`\]\([^)]+\) \| ([^|]+) \| ([^|]+) \|$", page, re.M)
     return {LAB / name: (kind, played) for name, kind, played in found}

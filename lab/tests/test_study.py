@@ -1,4 +1,4 @@
-"""`python -m lab.studies`: what it trains, how it goes on, what it leaves behind."""
+"""`python -m lab.studies`: its runs, how it continues, and its output files."""
 
 from pathlib import Path
 
@@ -35,7 +35,7 @@ TWO = ["offense/easy_crossing", "grf/run_to_score_with_keeper"]
 
 @pytest.fixture
 def single(begun, tmp_path):
-    """Return what is typed, and the names of the runs that it has begun."""
+    """Return the command line, and the names of the runs that it has begun."""
     words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
     return ["generalization", "--games", *TWO, "--seeds", "1", *short, *words], begun
@@ -47,7 +47,7 @@ def test_a_benchmark_is_measured_and_its_rows_are_tabulated_beside_published_one
     text = capsys.readouterr().out
     assert begun == ["offense_easy_crossing-features-0", "grf_run_to_score_with_keeper-features-0"]
     config = RunFolder.open(tmp_path / "fast" / begun[1]).config
-    assert config.env.rewards == "scoring" and config.env.control == "closest1"  # whatever is best: as published
+    assert config.env.rewards == "scoring" and config.env.control == "closest1"  # as published, not the best
     found = rows.load(tmp_path / "results" / "fast.csv")
     agents = {(row.game, row.agent, row.scene) for row in found}
     assert agents == {
@@ -69,7 +69,7 @@ def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single
     assert main(words) == 0
     before = (tmp_path / "results" / "fast.csv").read_text()
     for path in (tmp_path / "fast").rglob("*.pt"):
-        path.unlink()  # another machine: the tables alone are there
+        path.unlink()  # on another machine, only the tables exist
     assert main(words) == 0
     assert len(begun) == 2 and (tmp_path / "results" / "fast.csv").read_text() == before
     words[words.index("--seeds") + 1] = "2"
@@ -108,7 +108,7 @@ def test_teams_share_a_policy_or_a_critic_beside_those_of_the_thesis(single, tmp
     assert measured == {"team_ppo", "team_shared_ppo", "team_shared_mappo", "random"}
     assert main(words) == 0 and len(begun) == 3
     words[:3] = ["multi", "--games", "offense/hard_crossing"]
-    assert main([*words, "--team", "shared"]) == 0 and len(begun) == 3  # it is the second of these
+    assert main([*words, "--team", "shared"]) == 0 and len(begun) == 3  # the second of these runs
     assert len(BenchmarkStudy("teams", BenchmarkStudyConfig(), {}).games()) == 3
 
 

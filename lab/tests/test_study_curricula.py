@@ -29,7 +29,7 @@ SHORT = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--ep
 
 @pytest.fixture
 def here(begun, tmp_path):
-    """Return what is typed, and the names of the runs that it has begun."""
+    """Return the command line, and the names of the runs that it has begun."""
     words = ["curricula", "--games", "1v1Restricted", "--variants", "dr", "accel", "--seeds", "1", *SHORT]
     return [*words, "--out", str(tmp_path)], begun
 
@@ -53,7 +53,7 @@ def test_variants_are_trained_and_played_on_held_out_scenes_and_kept_in_small_ta
     assert "**1v1Restricted**\n\n| method | " in shown and "| held-out mean | minus dr | runs | env steps |" in shown
     assert "Success on test scenes, minus dr" in shown
     for path in (tmp_path / "curricula").rglob("*.pt"):
-        path.unlink()  # another machine: the tables alone are there
+        path.unlink()  # on another machine, only the tables exist
     words[words.index("--seeds") + 1] = "2"
     assert main(words) == 0
     assert begun[2:] == ["1v1Restricted-dr-features-31", "1v1Restricted-accel-features-31"]
@@ -175,12 +175,12 @@ def test_a_study_that_was_killed_keeps_each_finished_run(here, tmp_path, monkeyp
     monkeypatch.setattr(curricula_study, "measure_variant", measure_variant)
     monkeypatch.setattr(RunFolder, "finished", lambda run: run.env_steps() >= 64)  # pictures are not drawn here
     assert main(words) == 0
-    assert len(begun) == 2  # the other run had only to be played
+    assert len(begun) == 2  # the other run only had to be played
     assert {row.agent for row in rows.load(table)} == {"dr", "accel"} and set(before) < set(rows.load(table))
 
 
 def points(agent, base):
-    """Return curves of five runs on two games that end at `base` + 1% for each later seed, evaluated at other steps."""
+    """Return curves of five runs on two games that end at `base` + 1% per later seed, with other evaluation steps."""
     steps = {0: 8, 50: 49, 100: 100}
     return [
         rows.Point(game, agent, seed, steps[at] + (agent == "sfl"), 1.0, at / 100 * (base + 0.01 * seed), "1")
@@ -221,7 +221,7 @@ def test_at_equal_student_steps_the_first_method_had_as_many_as_the_other_learne
     both = [point._replace(trained_steps=point.env_steps // 2) for point in points("sfl", 0.6)] + points("dr", 0.2)
     assert budgets.share_learned(both, "sfl") == pytest.approx(0.5, abs=0.01)
     equal = budgets.at_equal_student_steps(both, "sfl", "dr", 0.5)
-    assert equal[0] == pytest.approx(0.6 - 0.1 + 0.01)  # the end of one, the middle of the other
+    assert equal[0] == pytest.approx(0.6 - 0.1 + 0.01)  # the end of one method, the middle of the other
     text = budgets.section(both)
     assert "| learns from | equal student steps |" in text and "| 50% | +51 [" in text
     assert "minus dr after as many as the method's tested student learned from" in text
@@ -246,7 +246,7 @@ def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, m
 @pytest.mark.drawn
 @pytest.mark.parametrize("games", range(1, 8))
 def test_the_picture_fits_any_number_of_games(games, tmp_path, monkeypatch):
-    """Intervals stand beside each other behind the curves, without ticks; no row of the legend is nearly empty."""
+    """Intervals stand side by side behind the curves, without ticks; no row of the legend is nearly empty."""
     from matplotlib import pyplot as plt
 
     drawn, names = [], ("dr", "paired", "robust_plr", "accel", "sfl")

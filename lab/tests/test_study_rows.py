@@ -43,7 +43,7 @@ def row(simulator):
 
 
 def without_version(path):
-    """Leave away what the rows of a file say of the version."""
+    """Remove the simulator version from the rows of a file."""
     lines = [line.rpartition(",")[0] for line in path.read_text().splitlines()]
     path.write_text("\n".join(lines) + "\n")
 

@@ -1,4 +1,4 @@
-"""The torture suite counts what it does, goes on where it stopped, and tells of harm."""
+"""The torture suite counts its attempts, continues after a stop, and reports harm."""
 
 import json
 import multiprocessing
@@ -18,7 +18,7 @@ from lab.torture.worker import Worker
 
 
 def run_suite(monkeypatch, path, attack):
-    """Run a suite of one part for three rounds by the clock of a test."""
+    """Run a suite of one part for three rounds with the clock of a test."""
     monkeypatch.setattr(suite, "PARTS", {"code": suite.Part("numbers", 20, attack)})
     monkeypatch.setattr(suite, "LIFE", path / "life.json")
     monkeypatch.setattr(suite, "time", SimpleNamespace(monotonic=iter(range(100)).__next__))
@@ -60,7 +60,7 @@ def test_harm_is_told_and_ends_no_suite(tmp_path, monkeypatch, capsys, crash):
 @pytest.mark.slow
 @pytest.mark.parametrize("at_work", [False, True])
 def test_the_worker_of_a_suite_that_was_killed_ends(tmp_path, at_work):
-    """Whether it was waiting for the next round or in the middle of one."""
+    """The worker ends whether it was waiting for the next round or in the middle of one."""
 
     def attack(name, seed):
         (tmp_path / "worker").write_text(str(os.getpid()))
@@ -87,7 +87,7 @@ def test_the_worker_of_a_suite_that_was_killed_ends(tmp_path, at_work):
 
 
 def soon(happened):
-    """Wait until something has happened."""
+    """Wait until `happened` returns true."""
     late = time.monotonic() + 20.0
     while not happened():
         assert time.monotonic() < late

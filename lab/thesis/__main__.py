@@ -3,11 +3,11 @@
     python -m lab.thesis paired             # Figures 4.5 to 4.9: four games, four methods, ten seeds, 5M env steps
     python -m lab.thesis strategies         # Figure 4.4: the built-in AI against the four strategies of a defender
     python -m lab.thesis randomization      # Table 4.1: DR on six games of the benchmark, ten seeds
-    python -m lab.thesis figures            # draw and print again what has rows
+    python -m lab.thesis figures            # draw the figures and print the tables again from the stored rows
 
-Runs, rows and figures lie beneath `--out`; a second call skips what has rows and continues what was stopped.
-`--publish` keeps the rows in lab/results, the figures in experiments/gallery and the tables in
-docs/benchmarks/thesis.md. Read next: `lab/thesis/plan.py`.
+Runs, rows and figures lie beneath `--out`; a second call skips runs with rows and continues stopped ones. `--publish`
+keeps the rows in lab/results, the figures in experiments/gallery and the tables in docs/benchmarks/thesis.md. Read
+next: `lab/thesis/plan.py`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ RESULTS, GALLERY = ROOT / "lab" / "results", ROOT / "experiments" / "gallery"
 
 
 class Places(NamedTuple):
-    """Where rows and figures go; `page`: whether tables go onto the page, too."""
+    """Output locations of rows and figures; `page`: whether tables also go onto the page."""
 
     rows: Path
     pictures: Path
@@ -75,17 +75,17 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Places], int]] = {
 
 
 def budget(typed: argparse.Namespace) -> plan.Budget:
-    """Return seeds, preset and steps of the runs."""
+    """Return the seeds, the preset and the steps of the runs."""
     return plan.Budget(range(typed.seeds), typed.preset, typed.env_steps)
 
 
 def options(typed: argparse.Namespace) -> study.Options:
-    """Return how a study is done."""
+    """Return the options of a study."""
     return study.Options(typed.out / typed.command, typed.preset, typed.episodes, typed.processes, typed.hours)
 
 
 def show(command: str, places: Places) -> None:
-    """Draw the figures and print or publish the tables of what has rows: of one command, or of all with "figures"."""
+    """Draw the figures and print or publish the tables of one command, or of all with "figures", if they have rows."""
     if places.table("curves").exists() and command in ("paired", "figures"):
         figures.draw_curves(load(places.table("curves"), Value), places.figure("4.9"))
     made = {"paired": tables.paired_tables, "strategies": tables.strategies_table}
@@ -129,7 +129,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def check_published(typed: argparse.Namespace) -> None:
-    """Refuse to put into the repository what is not the experiment; fewer seeds or games are a part of it."""
+    """Refuse to publish results that deviate from the experiment; fewer seeds or games are a part of it."""
     defaults = parser().parse_args([typed.command])
     others = [name for name in ("env_steps", "episodes", "preset") if getattr(typed, name) != getattr(defaults, name)]
     others += ["seeds"] if typed.seeds > len(plan.SEEDS) else []
@@ -139,7 +139,7 @@ def check_published(typed: argparse.Namespace) -> None:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Do what was typed; return the exit code. Raises `UsageError` for settings that are not published."""
+    """Run the command; return the exit code. Raises `UsageError` for settings that must not be published."""
     typed = parser().parse_args(argv)
     if min(typed.env_steps, typed.episodes, typed.seeds) < 1 or typed.processes < 0 or typed.hours <= 0:
         raise UsageError("--env-steps, --episodes, --seeds must be 1 or more, --processes 0 or more, --hours above 0")

@@ -30,12 +30,12 @@ class Value(NamedTuple):
     simulator: str  # as in `lab.studies.rows.Row`
 
     def key(self) -> tuple[str, str, int, int, str]:
-        """Return what a later value of the same takes the place of."""
+        """Return the key of the value; a later value with the same key replaces it."""
         return self[:5]
 
 
 def curves_of(run: RunFolder, agent: str) -> list[Value]:
-    """Return the curves of a run by its metrics; points without a finished episode are left out."""
+    """Return the curves of a run from its metrics; points without a finished episode are left out."""
     metrics = read_columns(run.metrics.path)
     student = next(name for name in metrics if name.startswith("return/"))
     columns = dict(zip(CURVES, (student, "return/antagonist", "regret"), strict=True))

@@ -1,4 +1,4 @@
-"""Figures 4.4 to 4.9 of the thesis, drawn from stored rows so that they can be laid beside its own.
+"""Figures 4.4 to 4.9 of the thesis, drawn from stored rows for a side-by-side comparison.
 
 Bars are mean returns per episode with 95% intervals over runs, dots the runs. Read next: `lab/thesis/tables.py`.
 """
@@ -26,7 +26,7 @@ WIDTH = 0.8  # of a group of bars
 
 
 def scene_names(rows: Sequence[Row]) -> dict[str, str]:
-    """Return the scenes of a game with the names that figures show."""
+    """Return the scenes of a game with their names in figures."""
     scenes = unique([row.scene for row in in_order(rows)])
     tests = [scene for scene in scenes if scene != TRAIN]
     names = {scene: f"test {k}\n{scene}" for k, scene in enumerate(tests)}
@@ -69,7 +69,7 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
 
 
 def legend(figure: Any, axes: Any, *marks: str) -> None:
-    """Add a legend below a figure: the labeled methods, and what marks mean."""
+    """Add a legend below a figure: the labeled methods, and the meaning of the marks."""
     handles = list(axes.get_legend_handles_labels()[0])
     handles += [run_handle() if mark == RUN else keys.mark_handle(mark) for mark in marks]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8, handlelength=3)
@@ -82,9 +82,9 @@ def run_handle() -> Any:
 
 
 def bar(axes: Any, places: np.ndarray, parts: Sequence[Any], width: float, look: dict, label: str = "") -> None:
-    """Draw a bar for each of these lists of results, with its interval, and a dot for each of several runs.
+    """Draw a bar for each of these lists of results, with its interval, and a dot for each run if there are several.
 
-    A list without results has no bar, which would read as 0.
+    A list without results has no bar, since an empty bar would read as 0.
     """
     known = [index for index, part in enumerate(parts) if part]
     places, parts = places[known], [parts[index] for index in known]
@@ -135,7 +135,7 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
 
 
 def draw_curve(axes: Any, values: Sequence[Value]) -> None:
-    """Draw a curve of each method in one game; half of the steps would be half of a curve."""
+    """Draw a curve of each method in one game, without runs of half of the steps, which would end early."""
     for name, method in METHODS.items():
         if method.share < 1:
             continue

@@ -1,6 +1,6 @@
-"""What chapter 4 of the thesis trains: four games with their figures, four methods, and the six games of Table 4.1.
+"""Runs of chapter 4 of the thesis: four games with their figures, four methods, and the six games of Table 4.1.
 
-Where the thesis says nothing, settings are those of the repository's studies of curricula. Read next:
+Where the thesis does not specify a setting, it is that of the repository's studies of curricula. Read next:
 `lab/thesis/study.py`, which trains and plays.
 """
 
@@ -25,7 +25,7 @@ TABLE = "Table 4.1"
 
 
 class Figure(NamedTuple):
-    """A figure of results: its number in the thesis, and how it calls the game."""
+    """A figure of results: its number in the thesis, and the thesis's name of the game."""
 
     number: str
     title: str
@@ -49,9 +49,9 @@ class Method(NamedTuple):
 
 
 OWN_REGRET = {"paired.roles": "population", "paired.dr_fraction": 0.25}  # defaults, also with --preset thesis
-METHODS = {  # the first is what the others are compared with
+METHODS = {  # the first is the reference
     "dr": Method("dr", {}, "DR"),
-    "dr_half": Method("dr", {}, "DR, half of the steps", 0.5),  # as many as PAIRED's protagonist has
+    "dr_half": Method("dr", {}, "DR, half of the steps", 0.5),  # the steps of PAIRED's protagonist
     "paired_literal": Method("paired_literal", {}, "PAIRED, Algorithm 1"),
     "paired_dennis2020": Method("paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED (Dennis et al.)"),
     "paired": Method("paired", OWN_REGRET, "PAIRED (default)"),
@@ -71,7 +71,7 @@ class Budget(NamedTuple):
 
 
 class Arm(NamedTuple):
-    """A run: a game, a name of `METHODS`, a seed, and all settings that follow."""
+    """A run: a game, a name of `METHODS`, a seed, and all resulting settings."""
 
     game: str
     agent: str
@@ -80,7 +80,7 @@ class Arm(NamedTuple):
 
 
 def base(preset: str) -> TrainConfig:
-    """Return what the runs of a preset begin with.
+    """Return the starting settings of a preset's runs.
 
     `fast`: features and a small network; `thesis`: stacked SMM images, the network of Figure 4.10 and Table 4.2.
     """
@@ -92,7 +92,7 @@ def base(preset: str) -> TrainConfig:
 
 
 def paired_arms(games: Sequence[str], methods: Sequence[str], budget: Budget) -> Iterator[Arm]:
-    """Yield the runs of Figures 4.5 to 4.9, one seed of everything after the other."""
+    """Yield the runs of Figures 4.5 to 4.9, seed by seed."""
     for seed in budget.seeds:
         for game in games:
             for agent in methods:
@@ -118,7 +118,7 @@ def table_games() -> list[str]:
 
 
 def table_arms(games: Sequence[str], budget: Budget) -> Iterator[Arm]:
-    """Yield the runs of Table 4.1: DR, twice as long where the thesis trains for 10M steps."""
+    """Yield the runs of Table 4.1: DR, twice as long in games for which the thesis trains for 10M steps."""
     for seed in budget.seeds:
         for game in games:
             steps = budget.env_steps * LONGER.get(game, STEPS) // STEPS

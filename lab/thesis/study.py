@@ -1,4 +1,4 @@
-"""Training and playing the runs of chapter 4; what has rows is not done again. Read next: `lab/thesis/curves.py`."""
+"""Train and play the runs of chapter 4, except for those with rows. Read next: `lab/thesis/curves.py`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DUEL = "3v2FourBehaviors"  # the game of the four strategies
 
 
 class Options(NamedTuple):
-    """How a study is done: folder of its runs, preset, episodes on each scene, runs at a time, hours until it stops."""
+    """Options of a study: folder of its runs, preset, episodes on each scene, runs at a time, hours until it stops."""
 
     runs: Path
     preset: str
@@ -34,13 +34,13 @@ class Options(NamedTuple):
 
 
 def do(arms: Sequence[Arm], table: Path, curves: Path | None, options: Options) -> int:
-    """Train and play the runs that have no rows in `table` yet; return the exit code, 0 where all is done.
+    """Train and play the runs that have no rows in `table` yet; return the exit code, 0 if all are done.
 
     Args:
         arms: the runs, seed by seed; each is played as soon as it is trained.
         table: CSV file of `Row`, one for each scene.
-        curves: CSV file of `Value`; None: not kept.
-        options: see there.
+        curves: CSV file of `Value`; None: not stored.
+        options: see `Options`.
 
     Raises `CommandError` for rows of another version of the simulator.
     """
@@ -65,7 +65,8 @@ def do(arms: Sequence[Arm], table: Path, curves: Path | None, options: Options) 
 def measure(agents: Mapping[Path, str], table: Path, curves: Path | None, episodes: int, run: RunFolder) -> None:
     """Play a run's student on the training distribution and each test scene, and write its rows and its curves.
 
-    The curves come first, since a run with rows is not measured again. `agents`: what rows call runs, by their folders.
+    The curves come first, since a run with rows is not measured again. `agents`: the names of runs in rows, by run
+    folder.
     """
     game, agent = build.find_game(run.config.minigame), agents[run.path]
     student, (env_steps, _) = load_student(run, game)
@@ -77,7 +78,7 @@ def measure(agents: Mapping[Path, str], table: Path, curves: Path | None, episod
 
 
 def measure_strategies(episodes: int) -> list[Row]:
-    """Let the built-in AI attack each of the four strategies of the 3v2 game for so many episodes (Figure 4.4)."""
+    """Let the built-in AI attack each of the four strategies of the 3v2 game for `episodes` episodes (Figure 4.4)."""
     found = build.find_game(DUEL)
     config = replace(found.start("fast"), minigame=found.name)
     scenes = EvalScenes(config, found, episodes)

@@ -23,7 +23,7 @@ from regista.experiments.run.results import unique
 from regista.minigames.published import find_published
 
 PAGE = ROOT / "docs" / "benchmarks" / "thesis.md"
-THEIRS = ("light_cnn", "impala_cnn")  # of Table 4.1: the thesis's network, and that of GRF
+THEIRS = ("light_cnn", "impala_cnn")  # of Table 4.1: the thesis's network, and GRF's network
 
 
 def paired_tables(rows: Sequence[Row]) -> str:
@@ -67,17 +67,17 @@ def randomization_table(rows: Sequence[Row]) -> str:
 
 
 def per_run(rows: Sequence[Row]) -> str:
-    """Return how many episodes each policy played on each scene."""
+    """Return the number of episodes of each policy on each scene, in words."""
     return f"{' or '.join(unique([str(row.episodes) for row in rows]))} episodes of each policy on each scene"
 
 
 def made(rows: Sequence[Row], command: str) -> str:
-    """Return on which simulator rows were measured, and by which command."""
+    """Return the simulators on which rows were measured, and the command, in words."""
     return f"Measured on {played_on(rows)}; `python -m lab.thesis {command}`."
 
 
 def publish(name: str, text: str, page: Path = PAGE) -> None:
-    """Put a text into its place on a page. Raises `CommandError` where the page has none."""
+    """Put a text between its marks on a page. Raises `CommandError` if the page has no such marks."""
     old = page.read_text()
     found = re.search(f"(<!-- thesis: {name} -->\n).*?(<!-- end -->)", old, re.S)
     if found is None:

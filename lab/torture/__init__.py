@@ -1,1 +1,1 @@
-"""Attacks on the whole of Regista for minutes or hours; see `lab.torture.__main__`."""
+"""Attacks on all of Regista for minutes or hours; see `lab.torture.__main__`."""

@@ -1,13 +1,13 @@
-"""The torture suite: minutes or hours of what must never harm, in rounds, with a report of how much was done.
+"""The torture suite: minutes or hours of attacks that must do no harm, in rounds, with a report of the attempts.
 
     python -m lab.torture [--minutes 10] [--report runs/torture.json] [--only states code]
     python -m lab.torture --merge one.json two.json    # add reports of suites that ran beside each other
     python -m lab.torture --page                       # write what the report counts into docs/torture.md
 
-Each part does rounds of so many attempts, every round with a seed of its own; the part that has had least of the time
-is next. The report is written after each round, and a suite that was stopped goes on with the seeds that follow; a new
-report goes on from `life.json`, that of the page. With NUMBA_BOUNDSCHECK=1 kernels are compiled with bounds checks, and
-counted apart.
+Each part runs rounds of a fixed number of attempts, and every round has its own seed. The part with the least time so
+far is next. The report is written after each round, and a stopped suite continues with the following seeds. A new
+report starts from `life.json`, the report of the page. With NUMBA_BOUNDSCHECK=1 kernels are compiled with bounds
+checks, and counted separately.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "torture.md"
 HEAD = "| what | how many | what became of them | harm, fixed | harm |\n|---|---|---|---|---|\n"
 CHECKED = " with bounds checks" if os.environ.get("NUMBA_BOUNDSCHECK") == "1" else ""
-# What lies before a file in a report that goes into the repository, and is nobody's business there.
+# Paths in front of files; they are removed from reports that go into the repository.
 FOLDERS = re.compile(rf"{re.escape(str(ROOT))}/|{re.escape(tempfile.gettempdir())}/tmp\w+/")
 EMPTY: dict[str, Any] = {"rounds": 0, "seconds": 0.0, "counts": {}, "harm": []}
 
 
 class Part(NamedTuple):
-    """What is counted, how many in a round, and how a round is done: from its number of attempts, seed and folder."""
+    """The counted unit, the number per round, and a function that runs a round from it, a seed and a folder."""
 
     unit: str
     size: int
@@ -73,7 +73,7 @@ PARTS = {
 
 
 def run_round(name: str, seed: int, folder: Path) -> dict[str, int]:
-    """Do one round of a part; return its counts."""
+    """Run one round of a part; return its counts."""
     part = PARTS[name]
     (folder / name).mkdir(parents=True, exist_ok=True)
     with warnings.catch_warnings():
@@ -82,7 +82,7 @@ def run_round(name: str, seed: int, folder: Path) -> dict[str, int]:
 
 
 def main(argv: list[str]) -> int:
-    """Do rounds until the time is over; return 1 if something was harmed."""
+    """Run rounds until the time is over; return 1 if any harm is reported."""
     parser = argparse.ArgumentParser(prog="python -m lab.torture")
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--report", type=Path, default=Path("runs/torture.json"))
@@ -108,7 +108,7 @@ def main(argv: list[str]) -> int:
 
 
 def do_rounds(report: dict[str, Any], typed: argparse.Namespace) -> None:
-    """Do rounds until the time is over, and keep the report."""
+    """Run rounds until the time is over, and save the report."""
     end = time.monotonic() + 60 * typed.minutes
     with tempfile.TemporaryDirectory() as folder:
         worker = Worker(lambda name, seed: run_round(name, seed, Path(folder)))
@@ -121,7 +121,7 @@ def do_rounds(report: dict[str, Any], typed: argparse.Namespace) -> None:
 
 
 def do_round(worker: Worker, name: str, row: dict[str, Any]) -> None:
-    """Do the next round of a part, and count it in its row."""
+    """Run the next round of a part, and count it in its row."""
     began, counts = time.monotonic(), {}
     try:
         counts = worker.do(name, row["rounds"])
@@ -135,7 +135,7 @@ def do_round(worker: Worker, name: str, row: dict[str, Any]) -> None:
 
 
 def merge(report: dict[str, Any], other: dict[str, Any], base: dict[str, Any]) -> None:
-    """Add what another report has counted since it went on from `base`."""
+    """Add the counts of another report since it started from `base`."""
     for name, row in other.items():
         into, before = report.setdefault(name, {**row, **EMPTY, "counts": {}, "harm": []}), base.get(name, EMPTY)
         for key in ("rounds", "seconds"):
@@ -146,7 +146,7 @@ def merge(report: dict[str, Any], other: dict[str, Any], base: dict[str, Any]) -
 
 
 def save(report: dict[str, Any], path: Path) -> None:
-    """Replace the report in one stroke."""
+    """Replace the report atomically."""
     write_whole(path, json.dumps(report, indent=2) + "\n")
 
 
@@ -165,7 +165,7 @@ def table(report: dict[str, Any]) -> str:
 
 
 def quote(report: dict[str, Any]) -> None:
-    """Write the table into the page, and keep the report that it is of."""
+    """Write the table into the page, and store its report."""
     before, _, rest = PAGE.read_text().partition(HEAD.partition(" harm")[0])
     after = re.sub(r"\A.*?\n(?=[^|])", "", rest, count=1, flags=re.DOTALL)
     write_whole(PAGE, f"{before}{table(report)}{after}")

@@ -1,7 +1,8 @@
-"""Every change that a command makes on the disk fails once, or is its last; afterwards the same command goes on.
+"""Let every change that a command makes on the disk fail once, or be its last; then repeat the same command.
 
-What it leaves must go on to the tables of a run that was left alone, or say in one sentence why it cannot. The k-th
-change of a command meets each of four faults (see `forks.KINDS`), in an order that comes to every k.
+From the remaining files, the repeated command must reach the tables of an undisturbed run, or refuse with a reason in
+one sentence. The k-th change of a command meets each of four faults (see `forks.KINDS`), in an order that covers every
+k.
 """
 
 from __future__ import annotations
@@ -31,14 +32,14 @@ FOOTBALL = ["1v1Restricted", "--num-envs", "2", *PPO, "--total-env-steps", "64",
 
 @dataclass(frozen=True)
 class Scenario:
-    """A command that writes. `{out}` is where to, `{made}` a folder with what others have made: see `MADE`."""
+    """A command that writes. `{out}` is its output folder, `{made}` holds its inputs: see `MADE`."""
 
     words: list[str]
-    resumed: list[str] | None = None  # what is tried first afterwards; then, and otherwise, the command itself
+    resumed: list[str] | None = None  # tried first afterwards; then, or without it, the command itself
 
 
 def train(method: str, *more: str) -> Scenario:
-    """Return a training on the toy task."""
+    """Return a training command on the toy task."""
     return Scenario(["train", TASK, "--method", method, *more, "--out", "{out}"], ["train", "--resume", "{out}"])
 
 
@@ -49,7 +50,7 @@ MADE = {
     "recorded": ["train", TASK, "--method", "plr", *SAVING, "--out", "{made}/recorded"],
     "match.npz": ["play", "1v1Restricted", "--record", "{made}/match.npz"],
 }
-WRITERS = {  # which write, one of each kind
+WRITERS = {  # writing commands, one of each kind
     "train dr": train("dr", *QUIET),
     "train plr": train("plr", *QUIET),
     "train paired": train("paired", *QUIET),
@@ -71,7 +72,7 @@ SCENARIOS = WRITERS | {
 
 
 class Attacked:
-    """A scenario, its tables when nothing happens, and how many changes it makes."""
+    """A scenario, its tables without faults, and its number of changes."""
 
     def __init__(self, name: str, forks: Forks, folder: Path) -> None:
         self.name, self.forks, self.folder, self.scenario = name, forks, folder, SCENARIOS[name]
@@ -84,25 +85,25 @@ class Attacked:
         self.tables, self.seconds = contents(folder / "undisturbed"), self.undisturbed.seconds
 
     def empty(self, name: str) -> Path:
-        """Return a folder without anything in it."""
+        """Return an empty folder."""
         path = self.folder / name
         shutil.rmtree(path, ignore_errors=True)
         path.mkdir(parents=True)
         return path
 
     def order(self, words: list[str], out: Path, **fate: object) -> Order:
-        """Return the order to carry out a command."""
+        """Return the order to run a command."""
         words = [word.format(out=out, made=self.folder / "made") for word in words]
         return Order(words, str(out), **fate)  # type: ignore[arg-type]
 
     def succeed(self, words: list[str], out: Path) -> End:
-        """Carry out a command that must succeed."""
+        """Run a command that must succeed."""
         end = self.forks.run(self.order(words, out))
         assert end.code == 0 and not end.left, f"{self.name}: exit code {end.code}: {end.said}"
         return end
 
     def attempt(self, **fate: object) -> tuple[str, End]:
-        """Let the command meet its fate, and go on; return what became of it. Raises AssertionError for any harm."""
+        """Run the command with a fault or signal, then repeat it; return the outcome. Raises AssertionError on harm."""
         out = self.empty("attacked")
         end = self.forks.run(self.order(self.scenario.words, out, **fate))
         what = f"{self.name}, {fate}: exit code {end.code}: {end.said[-1000:]}"
@@ -113,7 +114,7 @@ class Attacked:
         return self.go_on(out, what), end
 
     def go_on(self, out: Path, what: str) -> str:
-        """Go on with what a command has left, first as `--resume` does it."""
+        """Continue from the files that a command has left, first with `--resume`."""
         for words in filter(None, (self.scenario.resumed, self.scenario.words)):
             before = contents(out)
             end = self.forks.run(self.order(words, out))
@@ -125,7 +126,7 @@ class Attacked:
         return "said why not"
 
     def compare(self, out: Path, what: str) -> None:
-        """Raise AssertionError where tables are not those of a command that was left alone."""
+        """Raise AssertionError if tables differ from those of an undisturbed command."""
         tables = contents(out)
         differing = [name for name in tables.keys() | self.tables.keys() if tables.get(name) != self.tables.get(name)]
         assert not differing, f"{what}; {', '.join(differing)} came out differently"
@@ -134,7 +135,7 @@ class Attacked:
 
 
 def check(end: End, what: str) -> None:
-    """Raise AssertionError unless a command ended well, in one sentence, or by the signal that it was sent."""
+    """Raise AssertionError unless a command succeeded, ended with a one-sentence error, or by the sent signal."""
     assert not end.left, f"{what}; {end.left} processes were left"
     assert all(word not in end.said for word in ("Traceback", "Exception ignored", "panicked")), what
     assert end.code in (0, 1, 130, -9), what
@@ -144,7 +145,7 @@ def check(end: End, what: str) -> None:
 def contents(folder: Path) -> dict[str, object]:
     """Return the tables, records and pages in a folder, without wall-clock columns.
 
-    What a recording shows is none of them: episodes that were open at a checkpoint are in no replays.csv after it.
+    Recordings are excluded: episodes that were open at a checkpoint are missing from replays.csv after it.
     """
     files: dict[str, object] = {}
     for path in sorted(folder.rglob("*")):
@@ -153,7 +154,7 @@ def contents(folder: Path) -> dict[str, object]:
         elif path.suffix == ".html":
             files[path.name] = path.read_text()
         elif path.suffix == ".npz":
-            with np.load(path) as arrays:  # not bytes: what lies between the fields of a match is nobody's
+            with np.load(path) as arrays:  # not the bytes, since padding between the fields of a match is arbitrary
                 files[str(path.relative_to(folder))] = {key: repr(arrays[key].tolist()) for key in arrays.files}
     return files
 
@@ -167,7 +168,7 @@ def rows(path: Path) -> Iterator[tuple[tuple[str, str], ...]]:
 
 @cache
 def attacked(name: str, folder: Path) -> Attacked:
-    """Return a scenario of this suite, made once."""
+    """Return an attacked scenario of this suite, made once."""
     path = folder / name.replace(" ", "_").replace(",", "")
     path.mkdir(parents=True, exist_ok=True)
     return Attacked(name, forks(folder), path)
@@ -180,9 +181,10 @@ def forks(folder: Path) -> Forks:
 
 
 def fault(number: int, changes: Sequence[int]) -> tuple[int, int, str]:
-    """Return which command an attempt is of, the number of the change, and the kind of fault.
+    """Return the index of the attacked command, the number of the change, and the kind of fault for an attempt.
 
-    Of commands with so many changes, each meets each fault once before any does again, in a mixed order.
+    `changes` has the number of changes of each command. Each change meets each fault once before any repeats, in a
+    mixed order.
     """
     ends = np.cumsum(changes)
     faults = len(KINDS) * int(ends[-1])
@@ -193,7 +195,7 @@ def fault(number: int, changes: Sequence[int]) -> tuple[int, int, str]:
 
 
 def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Let so many changes fail; return what became of it."""
+    """Let `count` changes fail; return the count of each outcome."""
     counts: dict[str, int] = {}
     targets = [attacked(name, folder) for name in WRITERS]
     for number in range(count * seed, count * (seed + 1)):

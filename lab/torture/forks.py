@@ -1,7 +1,7 @@
-"""Commands by the hundred: a process that has everything imported forks for each, and says how it ended.
+"""Run hundreds of commands: a process with all imports done forks for each, and reports how it ended.
 
-A command begins in milliseconds there, so that faults and signals fall into its own work. It has a fresh process, and
-so have those that it starts; `faults.c` is loaded before libc. The server adopts whoever a command leaves behind.
+A forked command begins in milliseconds, so that faults and signals hit its own work. It runs in a fresh process, and so
+do the processes that it starts; `faults.c` is loaded before libc. The server adopts orphaned processes of commands.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ from tests.envs.grf.fixtures import fake_python
 
 ROOT = Path(__file__).resolve().parents[2]
 KINDS = ("full", "broken", "killed", "torn")  # as in faults.c, from 1
-NEVER = 10**9  # the number of a change that no command comes to
-PATIENCE = 120.0  # s from the signal to the end, and for those that a command started
-HUNG = -1_000  # the exit code of a command that did not end: none that is well
+NEVER = 10**9  # a change number that no command reaches
+PATIENCE = 120.0  # s from the signal to the end, and for processes that a command started
+HUNG = -1_000  # the exit code of a command that did not end; no valid exit code
 SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER of prctl
 
 
 @dataclass(frozen=True)
 class Order:
-    """A command, and what happens to it.
+    """A command, and the fault or signal that it meets.
 
     Attributes:
-        words: what is typed after `regista`.
+        words: arguments of `regista`.
         root: the folder in which changes are counted.
         at: the number of the change that meets the fault.
-        kind: one of `KINDS`: from there on no space is left; one I/O error; killed before it; killed in its middle.
-        seconds: after which `number` is sent; None: never.
+        kind: one of `KINDS`: no space left from there on; one I/O error; killed before the change; killed during it.
+        seconds: time until `number` is sent; None: never.
         number: a signal.
-        all: it is sent to everybody who belongs to the command, not to the command alone.
+        all: send it to all processes of the command, not to the command alone.
     """
 
     words: list[str]
@@ -61,7 +61,7 @@ class Order:
 
 
 class End(NamedTuple):
-    """How a command ended: its exit code, -n for signal n; what it said; changes counted; s; processes left behind."""
+    """The end of a command: exit code, -n for signal n; output; changes counted; seconds; processes left behind."""
 
     code: int
     said: str
@@ -71,14 +71,14 @@ class End(NamedTuple):
 
 
 class Forks:
-    """The server, seen from outside."""
+    """The client side of the server."""
 
     def __init__(self, folder: Path) -> None:
         library = folder / "faults.so"
         source = Path(__file__).with_name("faults.c")
         subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(source), "-ldl"], check=True)
         environment = os.environ | {"LD_PRELOAD": str(library), "NUMBA_THREADING_LAYER": "workqueue"}
-        environment["REGISTA_GRF_PYTHON"] = str(fake_python(folder))  # what plays the part of the other engine
+        environment["REGISTA_GRF_PYTHON"] = str(fake_python(folder))  # stands in for the GRF interpreter
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
         words = [sys.executable, "-m", "lab.torture.forks", str(folder)]
         self.process = subprocess.Popen(words, env=environment, cwd=ROOT, **pipes)
@@ -103,7 +103,7 @@ class Forks:
 
 
 class Forked:
-    """What `subprocess.Popen` is to `run.launch.workers`: a command of ours, forked off in place of a new Python."""
+    """Replaces `subprocess.Popen` in `run.launch.workers`: forks a command of ours instead of starting a new Python."""
 
     def __init__(self, command: list[str], stdout: Any, stderr: Any, env: dict[str, str], **_: Any) -> None:
         self.returncode: int | None = None
@@ -119,7 +119,7 @@ class Forked:
         return self._wait(os.WNOHANG)
 
     def wait(self) -> int | None:
-        """Wait for its end."""
+        """Wait for the end of the process."""
         return self._wait(0)
 
     def _wait(self, flags: int) -> int | None:
@@ -129,13 +129,13 @@ class Forked:
         return self.returncode
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal."""
+        """Send the process a signal."""
         if self.poll() is None:
             os.kill(self.pid, number)
 
 
 def perform(words: list[str], begun: int | None = None) -> None:
-    """Be a command from now on, as a process that was just started would be."""
+    """Run a command in this process as in a newly started one; never return."""
     from regista.experiments.__main__ import main
 
     os.setsid()
@@ -159,7 +159,7 @@ def perform(words: list[str], begun: int | None = None) -> None:
 
 
 def tell(begun: int) -> None:
-    """Have a byte written when signals are heard: before, they would end Python itself."""
+    """Have a byte written when signal handlers are installed; an earlier signal would end Python itself."""
     from regista.experiments.run import errors
 
     hearing = errors.interruptible
@@ -175,7 +175,7 @@ def tell(begun: int) -> None:
 
 
 def prepare(folder: Path) -> None:
-    """Import what commands import; start nothing that a fork would lose."""
+    """Import the modules of all commands, without starting anything that a fork would lose."""
     import importlib
 
     from regista.experiments.__main__ import COMMANDS
@@ -196,7 +196,7 @@ def prepare(folder: Path) -> None:
 
 @cache
 def warm_up(folder: Path, game: str) -> None:
-    """Train a moment in this process: what is loaded and compiled for it, every fork has."""
+    """Train briefly in this process, so that every fork inherits the loaded and compiled code."""
     from regista.experiments.__main__ import main
 
     tiny = ["--num-envs", "2", "--num-steps", "8", "--total-env-steps", "16", "--eval-episodes", "2", "--no-record"]
@@ -205,7 +205,7 @@ def warm_up(folder: Path, game: str) -> None:
 
 
 def serve(folder: Path) -> None:
-    """Answer orders, a line of JSON each, until there are no more."""
+    """Answer orders, one line of JSON each, until the input ends."""
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     ctypes.CDLL(None).prctl(SUBREAPER, 1)
@@ -218,7 +218,7 @@ def serve(folder: Path) -> None:
 
 
 def carry_out(order: Order) -> End:
-    """Fork for a command, and see to its end."""
+    """Fork for a command, and wait for its end."""
     library = ctypes.CDLL(None)
     library.fault_arm(order.root.encode(), order.at, 1 + KINDS.index(order.kind))
     library.fault_count.restype = ctypes.c_long
@@ -239,7 +239,7 @@ def carry_out(order: Order) -> End:
 
 
 def watched(pid: int, order: Order) -> tuple[int, float]:
-    """Wait for a command, and send it its signal; return its exit code and how long it took in s."""
+    """Wait for a command, and send it its signal; return its exit code and its time in s."""
     began, handle = time.monotonic(), os.pidfd_open(pid)
     if order.seconds is not None and not select.select([handle], [], [], order.seconds)[0]:
         for each in family() if order.all else [pid]:
@@ -255,7 +255,7 @@ def watched(pid: int, order: Order) -> tuple[int, float]:
 
 
 def family() -> list[int]:
-    """Return all that descend from this process."""
+    """Return all descendants of this process."""
     parents = {}
     for folder in Path("/proc").iterdir():
         if folder.name.isdecimal():
@@ -268,7 +268,7 @@ def family() -> list[int]:
 
 
 def bereaved() -> int:
-    """Wait for those whom a command has left behind, who are ours by now; return how many had to be killed."""
+    """Wait for the adopted processes of a command; return how many had to be killed."""
     late, killed = time.monotonic() + PATIENCE, 0
     while True:
         try:

@@ -1,10 +1,10 @@
-"""Texts by the hundred thousand, each as far as it comes: the parser, the evaluator, the compiler, the machine.
+"""Feed many texts to the parser, the evaluator, the compiler and the machine, each text as far as it gets.
 
     python -m lab.torture.language COUNT SEED
 
-Most are pieces of programs with some words changed, for these take the parser a tenth of a millisecond; what it reads
-goes on to the next stage now and then, and what comes through that always does. A count is of texts, by where each
-ended. Read next: `tests.scenic_lite.fuzzing`, what must be true of them.
+Most texts are pieces of programs with some words changed, which take the parser a tenth of a millisecond. Some of the
+texts that the parser accepts go on to the evaluator, and all that pass the evaluator go on to the next stages. Texts
+are counted by the stage at which they end. Read next: `tests.scenic_lite.fuzzing`, what must be true of them.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 LONGEST = 400  # characters of a piece
 WORD = re.compile(r"\w+|[^\S\n]+|\n *|\W")
-LOADED = 0.05  # of the texts that can be read, how many are evaluated
-WHOLE = 0.005  # of all texts, how many are whole programs, which are evaluated always
-STEPS = 3  # of a match of what is compiled
+LOADED = 0.05  # share of readable texts that are evaluated
+WHOLE = 0.005  # share of whole programs among all texts; these are always evaluated
+STEPS = 3  # of a match with a compiled text
 START = """ego = new Object at 0 @ 0
 p = new Object at 5 @ Range(3, 9)
 a, b = Range(0, 1), 3
@@ -47,20 +47,20 @@ UNREAD, READ, REFUSED, UNCOMPILED, FAULTED, RAN = (
 
 @cache
 def programs() -> list[str]:
-    """Return every program at hand, with those of behaviors."""
+    """Return all available programs, including those with behaviors."""
     bodies = [feature_programs.program(name) for name in feature_programs.BODIES]
     return [*fuzzing.corpus(), *bodies, feature_programs.MIXED, *(generated(seed) for seed in range(20))]
 
 
 @cache
 def pieces() -> list[list[str]]:
-    """Return the pieces of all programs, each as its words: a line that is not indented and those beneath it."""
+    """Return the pieces of all programs as words; a piece is an unindented line and the indented lines beneath it."""
     texts = {piece for text in programs() for piece in re.split(r"\n(?=[^\s#])", text) if 0 < len(piece) <= LONGEST}
     return [WORD.findall(piece) for piece in sorted(texts)]
 
 
 def varied(rng: random.Random) -> str:
-    """Return a piece of a program, or two, with some words changed."""
+    """Return one or more pieces of programs with some words changed."""
     known = pieces()
     words = list(rng.choice(known))
     for _ in range(rng.choice((1, 1, 1, 2, 3, 5))):
@@ -90,7 +90,7 @@ def varied(rng: random.Random) -> str:
 
 
 def text_of(rng: random.Random) -> tuple[str, bool]:
-    """Return a text, and whether it is to be a whole program."""
+    """Return a text, and whether it is a changed whole program."""
     kind = rng.random()
     if kind < WHOLE:
         return fuzzing.mutated(rng, programs()), True
@@ -103,7 +103,7 @@ def text_of(rng: random.Random) -> tuple[str, bool]:
 
 
 def ended(text: str, dialect: int, whole: bool, deeper: bool) -> str:
-    """Return where a text ended. Raises AssertionError for what must not be."""
+    """Return the stage at which a text ended. Raises AssertionError for a violated property."""
     try:
         parse(text + "\n", dialect=dialect)
     except ScenicError as error:
@@ -121,7 +121,7 @@ def ended(text: str, dialect: int, whole: bool, deeper: bool) -> str:
 
 
 def played(program: Program, text: str) -> str:
-    """Return what became of a program in a match of the toy world."""
+    """Return the outcome of a program in a match of the toy world."""
     try:
         compiled = compile_program(program, toy_world())
     except ScenicError as error:
@@ -138,12 +138,12 @@ def played(program: Program, text: str) -> str:
 
 @cache
 def warm_up() -> None:
-    """Have the kernels of the machine compiled or loaded, which counts for no text."""
+    """Compile or load the kernels of the machine, so that their time counts for no text."""
     played(load(feature_programs.MIXED), feature_programs.MIXED)
 
 
 def attack(count: int, seed: int) -> dict[str, int]:
-    """Try so many texts; return where they ended. Raises AssertionError for an error that is none of the language's."""
+    """Try `count` texts; return the count of each end. Raises AssertionError for any error but the language's own."""
     warm_up()
     counts = dict.fromkeys((UNREAD, READ, REFUSED, UNCOMPILED, FAULTED, RAN), 0)
     for i in range(count):

@@ -1,7 +1,7 @@
-"""Commands that are killed, or interrupted by Ctrl-C, at any moment of their work; then the same command goes on.
+"""Kill commands, or interrupt them with Ctrl-C, at any moment of their work; then repeat the same command.
 
-Each command of each method, with one thread and with two, from its first millisecond on. Read next: `faults`, what it
-must come to afterwards.
+The commands cover each method, with one thread and with two, from the first millisecond on. Read next: `faults`, what
+it must come to afterwards.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SHORTEST = 0.001  # s
 
 
 def attack(count: int, seed: int, folder: Path, number: int) -> dict[str, int]:
-    """Send so many commands, one kind after the other, a signal; return what became of them."""
+    """Send a signal to `count` commands, cycling through the scenarios; return the count of each outcome."""
     counts: dict[str, int] = {}
     for index in range(count * seed, count * (seed + 1)):
         name = list(SCENARIOS)[index % len(SCENARIOS)]
@@ -27,7 +27,7 @@ def attack(count: int, seed: int, folder: Path, number: int) -> dict[str, int]:
 
 
 def attempt(name: str, folder: Path, number: int, rng: random.Random) -> str:
-    """Send a command a signal at a moment of its usual time; return what became of it.
+    """Send a command a signal at a random moment of its usual time; return the outcome.
 
     A kill hits the command alone, or all of its processes. Raises AssertionError for any harm.
     """
@@ -41,12 +41,12 @@ def attempt(name: str, folder: Path, number: int, rng: random.Random) -> str:
 
 
 def kill(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Kill so many commands."""
+    """Kill `count` commands."""
     return attack(count, seed, folder, signal.SIGKILL)
 
 
 def interrupt(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Interrupt so many commands."""
+    """Interrupt `count` commands."""
     return attack(count, seed, folder, signal.SIGINT)
 
 

@@ -1,4 +1,4 @@
-"""Command lines of those who have others train, typed wrongly: refused in a sentence, or their runs are listed.
+"""Mistyped command lines of commands that launch runs: refused in one sentence, or their runs are listed.
 
 `--launcher commands` comes last, so nothing is trained. Read next: `files`, who gives folders to commands.
 """
@@ -25,7 +25,7 @@ COMMANDS = {
     "compare": ["compare", TASK, "--methods", "dr", "plr", "--seeds", "2"],
     "compare from": ["compare", TASK, "--from", "nowhere", "--seeds", "1"],
 }
-MANY = {"--seeds"}  # as many runs as one says are listed, each with its folder
+MANY = {"--seeds"}  # excluded: all of these runs are listed, each with its folder
 SMALL = ("-1", "0", "1", "2", "3.5", "nan", "-inf", "1e999", "٣")
 NUMBERS = ("-1", "0", "1", "2", "3.5", "nan", "inf", "-inf", "1e999", "1_000", "9" * 30, "1e6", "0x10", "٣")
 WORDS = (
@@ -50,7 +50,7 @@ WORDS = (
 
 @cache
 def flags(name: str) -> list[str]:
-    """Return the flags of a command, by what its help says."""
+    """Return the flags of a command from its help."""
     said = [help_of([COMMANDS[name][0], "--help", *topic]) for topic in ([], ["ppo"], ["all"])]
     return sorted(set(re.findall(r"--[a-z][\w.-]+", "\n".join(said))) - MANY)
 
@@ -64,7 +64,7 @@ def help_of(words: list[str]) -> str:
 
 
 def typed_line(rng: random.Random, out: Path) -> list[str]:
-    """Return a command line with a few flags or values that are none."""
+    """Return a command line with a few invalid flags or values."""
     name = rng.choice(list(COMMANDS))
     words = [*COMMANDS[name]]
     for _ in range(rng.choice((1, 1, 2, 3))):
@@ -79,7 +79,7 @@ def typed_line(rng: random.Random, out: Path) -> list[str]:
 
 
 def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Type so many lines; return what became of them. Raises AssertionError for any harm."""
+    """Try `count` command lines; return the count of each outcome. Raises AssertionError for any harm."""
     counts = dict.fromkeys((LISTED, REFUSED), 0)
     for index in range(count):
         words = typed_line(random.Random(f"{seed} {index}"), folder / "out")

@@ -1,4 +1,4 @@
-"""Rounds in a process of their own: what crashes, or never ends, is harm in the report and not the end of the suite.
+"""Run rounds in a separate process, so that a crash or an endless loop is reported as harm and does not end the suite.
 
 Read next: `lab.torture.__main__`, which asks for them.
 """
@@ -13,18 +13,18 @@ import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 
-MOST = 3_600  # s of processor time for a round: far more than any takes
+MOST = 3_600  # s of processor time for a round; far more than any round takes
 Round = Callable[[str, int], dict[str, int]]
 
 
 class Worker:
-    """A forked process that does rounds, with whatever it has compiled; another one where it has died."""
+    """A forked process that runs rounds and keeps its compiled code; it is replaced if it dies."""
 
     def __init__(self, run: Round) -> None:
         self.run, self.process = run, None  # type: tuple[Round, Any]
 
     def do(self, name: str, seed: int) -> dict[str, int]:
-        """Return what a round counted. Raises AssertionError for any harm, its own end with it."""
+        """Return the counts of a round. Raises AssertionError for any harm, including the end of the process."""
         if self.process is None:
             forks = multiprocessing.get_context("fork")
             self.connection, theirs = forks.Pipe()
@@ -50,9 +50,9 @@ class Worker:
 
 
 def serve(connection: Connection, theirs: Connection, run: Round) -> None:
-    """Do rounds until nobody asks, or could: of the suite's end of the pipe, `theirs`, a fork has a copy."""
+    """Run rounds until the other end of the pipe closes; `theirs` is the fork's copy of that end, closed first."""
     theirs.close()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the suite ends it, whatever it listened to when it forked
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the suite ends the process, regardless of inherited handlers
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     while True:
         try:
@@ -68,5 +68,5 @@ def serve(connection: Connection, theirs: Connection, run: Round) -> None:
             answer = {}, traceback.format_exc()
         try:
             connection.send(answer)
-        except OSError:  # killed
+        except OSError:  # the suite was killed
             return
