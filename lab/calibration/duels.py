@@ -1,7 +1,7 @@
 """Measure a carrier running at a lone built-in back, and fit the back's odds (`skills/tackles.py`).
 
 A row is the first time that the back is near the ball of a running carrier. It contains the carrier's speed, the
-distance of the ball from the carrier's body, and whether the ball is lost half a second later. The back's skill does
+distance of the ball from the carrier's body, and whether the ball is lost 0.6 s later. The back's skill does
 not vary. Read next: `claims.py`, which finds meetings.
 """
 

@@ -1,7 +1,7 @@
 """Play scenes drawn with a seed in Google Research Football (GRF) or in our simulator, and record them.
 
 A scene is a Scenic program with uniformly drawn random values, and actions drawn for every episode. `record` keeps the
-data of `experiments/transfer/episodes.py`, and the velocities. Read next: `measure.py`, which draws the scenes.
+data of `experiments/transfer/episodes.py`, and the velocities. Read next: `shots_at_keeper.py`, which draws scenes.
 """
 
 from __future__ import annotations

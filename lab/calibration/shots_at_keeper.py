@@ -90,7 +90,10 @@ def meeting(recording: Recording, episode: int, step: int, flown: float) -> dict
 
 
 def met(ball: np.ndarray, keeper: np.ndarray) -> bool:
-    """Return whether something stops or turns a ball `[T, 6]` before the goal line; otherwise the ball went wide."""
+    """Return whether something stops or turns a ball `[T, 6]` before the goal line; otherwise the ball went wide.
+
+    A ball that ends within 1 m of the keeper counts as stopped.
+    """
     change = np.diff(ball[:, 3:5], axis=0)
     turned = np.linalg.norm(change, axis=1) > DEFLECTED
     inside = ball[:-1, 0] < HALF_LENGTH

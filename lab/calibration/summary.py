@@ -18,14 +18,14 @@ from lab.calibration.luck import LUCK
 from lab.calibration.profile import FACTORS, NEAR, best_of
 
 PROFILES = Path(__file__).parent / "data" / "profiles"
-VERDICTS = ("best", "near", "elsewhere", "not told apart")
+VERDICTS = ("best", "near", "elsewhere", "undetermined")
 
 
 def verdict(losses: list[float], near: float) -> str:
     """Return the verdict on the shipped value, factor 1, from the losses at `FACTORS`; `near` is the limit for luck."""
     best, low, high = best_of(FACTORS, losses, near)
     if (low, high) == (FACTORS[0], FACTORS[-1]):
-        return "not told apart"
+        return "undetermined"
     if best == 1.0:
         return "best"
     return "near" if losses[FACTORS.index(1.0)] <= min(losses) * (1.0 + near) else "elsewhere"

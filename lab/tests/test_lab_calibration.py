@@ -260,7 +260,7 @@ def test_verdicts_on_shipped_values():
     assert verdict([2.0, 1.5, 1.2, 1.0, 1.2, 1.5, 2.0], 0.05) == "best"
     assert verdict([2.0, 1.5, 1.2, 1.04, 1.0, 1.5, 2.0], 0.05) == "near"
     assert verdict([2.0, 1.5, 1.2, 1.1, 1.0, 1.5, 2.0], 0.05) == "elsewhere"
-    assert verdict([1.0, 1.0, 1.0, 1.01, 1.0, 1.0, 1.0], 0.05) == "not told apart"
+    assert verdict([1.0, 1.0, 1.0, 1.01, 1.0, 1.0, 1.0], 0.05) == "undetermined"
 
 
 def test_stored_profiles_are_of_groups():

@@ -1,6 +1,6 @@
 """Chapter 4 of the thesis in our simulator: PAIRED beside domain randomization (DR) on its four games.
 
-    python -m lab.thesis paired             # Figures 4.5 to 4.9: four games, four methods, ten seeds, 5M env steps
+    python -m lab.thesis paired             # Figures 4.5 to 4.9: four games, five methods, ten seeds, 5M env steps
     python -m lab.thesis strategies         # Figure 4.4: the built-in AI against the four strategies of a defender
     python -m lab.thesis randomization      # Table 4.1: DR on six games of the benchmark, ten seeds
     python -m lab.thesis figures            # draw the figures and print the tables again from the stored rows

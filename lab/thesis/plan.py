@@ -1,4 +1,4 @@
-"""Runs of chapter 4 of the thesis: four games with their figures, four methods, and the six games of Table 4.1.
+"""Runs of chapter 4 of the thesis: four games with their figures, five methods, and the six games of Table 4.1.
 
 Where the thesis does not specify a setting, it is that of the repository's studies of curricula. Read next:
 `lab/thesis/study.py`, which trains and plays.

@@ -1,6 +1,7 @@
 """Mistyped command lines of commands that launch runs: refused in one sentence, or their runs are listed.
 
-`--launcher commands` comes last, so nothing is trained. Read next: `files`, who gives folders to commands.
+`--launcher commands` comes last, so nothing is trained. Read next:
+`tests/attacks/files.py`, which gives folders to commands.
 """
 
 from __future__ import annotations
