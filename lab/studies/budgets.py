@@ -20,7 +20,7 @@ from regista.experiments.run import significance
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown
 from regista.experiments.run.results import unique
-from ued.statistics import Difference, bootstrap, detectable
+from ued.statistics import LEAST, Difference, bootstrap, detectable
 
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
@@ -104,10 +104,14 @@ def methods(points: Sequence[Point]) -> list[str]:
 
 
 def comparable(points: Sequence[Point]) -> tuple[list[Point], list[str]]:
-    """Return the points of games that all methods have, and the methods; an unfinished study also has other games."""
+    """Return the points of games that all methods have, and the methods; an unfinished study also has other games.
+
+    If some of these games have enough runs of each method for an interval, the others are left out, too.
+    """
     names, games = methods(points), unique([point.game for point in points])
-    have = {(point.game, point.agent) for point in points}
-    shared = [game for game in games if all((game, name) in have for name in names)]
+    have = {(point.game, point.agent, point.seed) for point in points}
+    runs = {game: min(sum((game, name) == found[:2] for found in have) for name in names) for game in games}
+    shared = [game for game in games if runs[game] >= LEAST] or [game for game in games if runs[game]]
     kept = [point for point in points if point.game in shared]
     return kept, [name for name in names if len(rates(kept, name, 1.0))]
 

@@ -34,7 +34,7 @@ from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import select, unique
 from ued.config import setting
-from ued.statistics import Difference
+from ued.statistics import LEAST, Difference
 
 NOTE = (
     "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
@@ -157,7 +157,8 @@ def games_of(rows: Sequence[Row], name: str) -> list[str]:
 def summary(rows: Sequence[Row]) -> str:
     """Return one table: success of the first method on each game and on all games, and differences to it.
 
-    "All games" are means over games of the runs with the same seed, if all games have all methods.
+    "All games" are means over games of the runs with the same seed, if all games have all methods. Games with too few
+    runs for an interval are not part of these means.
     """
     found = games_of(rows, "curricula")
     scores = {game: held_out_scores([row for row in rows if row.game == game], "curricula") for game in found}
@@ -165,24 +166,29 @@ def summary(rows: Sequence[Row]) -> str:
         name for name in COMPARISONS["curricula"].variants if any(name in mine for mine in scores.values())
     )
     scores = {game: mine for game, mine in scores.items() if first in mine}
-    if len(scores) > 1 and all({first, *others} == set(mine) for mine in scores.values()):
-        seeds = shared_seeds(rows, list(scores), (first, *others))
-        alike = [held_out_scores([r for r in rows if r.game == g and r.seed in seeds], "curricula") for g in scores]
+    enough = [game for game, mine in scores.items() if min(len(each.rates) for each in mine.values()) >= LEAST]
+    whole = enough or list(scores)
+    if len(whole) > 1 and all({first, *others} == set(scores[game]) for game in whole):
+        seeds = shared_seeds(rows, whole, (first, *others))
+        alike = [held_out_scores([r for r in rows if r.game == g and r.seed in seeds], "curricula") for g in whole]
+        label = "**all games**" if len(whole) == len(scores) else f"**{len(whole)} games of {LEAST} runs**"
         if seeds:
-            scores["**all games**"] = {name: over_games([mine[name] for mine in alike]) for name in (first, *others)}
+            scores[label] = {name: over_games([mine[name] for mine in alike]) for name in (first, *others)}
     gains = {(game, name): gain for game, mine in scores.items() for name, gain in gains_of(mine).items()}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     table = [["game", first, *(f"{name} minus {first}" for name in others)]]
     for game, mine in scores.items():
         cells = [significance.points(gains[game, n], marks[game, n]) if n in mine else "" for n in others]
         table.append([game, percent(estimate.mean_score(mine[first])), *cells])
-    runs = [len(each.rates) for mine in scores.values() for each in mine.values()]
+    runs = [len(each.rates) for game in whole for each in scores[game].values()]
     sizes = [100 * estimate.detectable_score(list(mine.values())) for mine in scores.values()]
     steps = unique([count(row.env_steps) for row in rows])
     played = (
         f"Success on held-out scenes in percent, and differences in percentage points, after {' to '.join(steps)} "
         f"simulated steps; 95% bootstrap intervals over {significance.spread(runs)} runs."
     )
+    few = [game for game in scores if enough and game in found and game not in enough]
+    played += f" Fewer than {LEAST} runs, so no interval: {', '.join(few)}." if few else ""
     legend = significance.legend([gain.p for gain in gains.values()])
     said = significance.sentences(legend, significance.visible(sizes, runs, "{:.0f} points", "game"))
     below = [played, said, f"Measured on {played_on(rows)}; `python -m lab.studies.tables curricula --summary`."]

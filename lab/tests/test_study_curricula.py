@@ -302,6 +302,23 @@ def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
     assert "all games" not in few and "| sfl minus dr |" in few.splitlines()[0]
 
 
+def test_games_with_few_runs_are_not_part_of_means_over_games():
+    measured = [
+        played(game, agent, seed, "held out, x", base + seed)
+        for game, runs in (("a", 5), ("b", 5), ("c", 2))
+        for agent, base in (("dr", 20), ("sfl", 60 if game == "a" else 20))
+        for seed in range(runs)
+    ]
+    text = tables.summary(measured)
+    *_, third, mean = [line for line in text.splitlines() if line.startswith("|")]
+    assert "95% bootstrap intervals over 5 runs. Fewer than 5 runs, so no interval: c." in text
+    assert third == "| c | 20% | +0 |"  # two runs have no interval
+    assert mean.startswith("| **2 games of 5 runs** | 22% [") and "| +20 [" in mean
+    curves = [*points("dr", 0.2), *points("sfl", 0.6)]
+    begun = [point._replace(game="c", success=0.0) for point in curves if point.game == "a" and point.seed < 2]
+    assert budgets.section([*curves, *begun]) == budgets.section(curves)
+
+
 def test_a_summary_without_rows_or_of_another_study_is_refused(tmp_path, capsys):
     assert tables.main(["curricula", "--summary", "--results", str(tmp_path)]) == 0
     assert capsys.readouterr().out == f"{tmp_path}/curricula.csv has no rows.\n"
