@@ -1,4 +1,7 @@
-"""Tests send signals: what runs them in the background may have had Ctrl-C ignored, and commands heed that (nohup)."""
+"""Setup of all tests: a temporary state folder, failure flags for fixtures, and Python's default handler of Ctrl-C.
+
+Tests send SIGINT. A program that runs them in the background (nohup) may ignore SIGINT, and commands inherit that.
+"""
 
 import atexit
 import os
@@ -8,14 +11,14 @@ import tempfile
 
 import pytest
 
-# What commands remember of their user is not of this one
+# Commands store the state of their user; tests must neither read nor change it
 os.environ["XDG_STATE_HOME"] = tempfile.mkdtemp(prefix="regista-tests-")
 atexit.register(shutil.rmtree, os.environ["XDG_STATE_HOME"], ignore_errors=True)
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
-    """Let fixtures know whether their test has failed: its traceback keeps alive what it had."""
+    """Set `item.failed` for fixtures: the traceback of a failed test keeps its objects alive."""
     report = yield
     item.failed = getattr(item, "failed", False) or report.failed
     return report

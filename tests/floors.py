@@ -1,6 +1,7 @@
-"""The floors of the house: the rooms of every package from the ground up, and what its files import.
+"""The import layers ("floors") of each package, from the lowest up, and the imports of its files.
 
-A file may import from its own room and from the rooms below it. Read next: `tests/test_architecture.py`.
+Each floor has one module or folder, its room. A file may import from its own room and from the rooms below it. Read
+next: `tests/test_architecture.py`.
 """
 
 import ast
@@ -14,9 +15,9 @@ LINKED = (
     "envs",
     "minigames",
     "experiments",
-)  # imported as regista.envs ..., the folder of that name being a link
+)  # imported as `regista.envs` ...: `regista` has a symbolic link to each of these folders
 
-# A room is a folder or a single file. A package's `__init__` is its roof: nothing inside the package imports it.
+# A room is a folder or a single file. A package's `__init__` is its roof: no module inside the package imports it.
 FLOORS = {
     "kernels": (
         "notices",
@@ -31,36 +32,36 @@ FLOORS = {
         "errors",
         "syntax",  # text -> checked tree
         "values",  # random expressions, operations, the plane
-        "core",  # scopes, types, budget: what every chapter stands on
+        "core",  # scopes, types, budget: the basis of the language
         "language",  # chapters of the manual
-        "evaluation",  # the tree, walked once
+        "evaluation",  # values of expressions, effects of statements
         "scene",  # theta -> scenes
         "loader",
-        "dynamics.machine",  # what runs in the kernel
-        "dynamics.compiler",  # behaviors -> its code
+        "dynamics.machine",  # the virtual machine inside the kernel
+        "dynamics.compiler",  # behaviors -> code of the machine
         "dynamics",
     ),
     "envs": (
-        "toy_world",  # the smallest, for programs of nothing that is known
+        "toy_world",  # the smallest world: objects drift, actions change nothing
         "football.version",
         "football.constants",
         "football.config",
-        "football.field_kinds",  # what fields may hold
+        "football.field_kinds",  # kinds of fields, with limits
         "football.state",  # the record of a match
-        "football.limits",  # whether a record keeps to that
+        "football.limits",  # checks of external records
         "football.physics",  # bodies and ball
         "football.rules",  # the laws of the game: restarts, fouls, offside
-        "football.skills",  # what players do to the ball and to each other
-        "football.control",  # agents, keys, reward, the end of an episode
+        "football.skills",  # kicks, tackles and other actions of players
+        "football.control",  # agents, actions, reward, the end of an episode
         "football.ai",  # the built-in players
-        "football.kick_off",  # matches about to begin
+        "football.kick_off",  # start states of matches
         "football.frames",  # the ten frames of a step
-        "football.scenic",  # football as programs see it
+        "football.scenic",  # the football domain of Scenic programs
         "football.simulator",  # a step
-        "football.observation",  # what agents see
+        "football.observation",  # observations of agents
         "football.batch",  # N matches, parallel
         "football.rollout",  # whole rollouts
-        "football.engine",  # what plays them: the simulator, or
+        "football.engine",  # the interface of both engines: our simulator and GRF
         "grf",  # Google Research Football
         "football.view",  # pictures
         "football.vector_env",
@@ -70,74 +71,74 @@ FLOORS = {
         "football.replay",
         "maze.config",
         "maze.grid",  # the arrays of mazes
-        "maze.view",  # what agents see
+        "maze.view",  # observations of agents
         "maze.dynamics",  # a step
         "maze.builder",  # an adversary's steps
-        "maze.paths",  # how far the goal is
+        "maze.paths",  # distances to the goal
         "maze.levels",
         "maze.rollout",
         "maze.picture",
         "maze.env",
         "maze.gym_env",
         "maze.drawings",  # test mazes, as text
-        "maze.generators",  # test mazes, drawn at random
-        "maze.named_mazes",  # all of them by name
-        "maze.shortest_path",  # a policy
+        "maze.generators",  # random test mazes
+        "maze.named_mazes",  # all test mazes by name
+        "maze.shortest_path",  # a policy that follows shortest paths
         "maze.painter",  # mazes in recordings
         "maze.task",
-        "scenic3.names",  # Scenic 3 itself: what is random, by name and line
-        "scenic3.columns",  # as columns of theta
+        "scenic3.names",  # random values of Scenic 3 programs, by name and line
+        "scenic3.columns",  # random values as columns of theta
         "scenic3.program",  # theta -> scenes
-        "scenic3.view",  # as pictures
+        "scenic3.view",  # pictures of scenes
         "scenic3.episode",  # a simulation, step by step
-        "scenic3.vector_env",  # processes of them
+        "scenic3.vector_env",  # simulations in parallel processes
     ),
     "ued": (
-        "core.own_code",  # functions and classes of the user, by name
-        "settings",  # how they are declared
+        "core.own_code",  # user code, by name
+        "settings",  # declaration and checks of settings
         "student_config",
         "lesson_config",  # plans as text
         "config",  # hyperparameters
         "statistics",
         "core.seeding",
-        "core.resumable",  # states by a list of names
+        "core.resumable",  # saving and resuming by a list of names
         "core.parts",  # observations of several parts
         "core.sparse_image",  # binary images as coordinates
-        "core.room",  # how much memory there is
+        "core.room",  # memory checks
         "core.files",
         "core.renamed",  # names in older files
-        "core.columns",  # tables on disk, by column
+        "core.columns",  # tables on disk, read by column
         "core.checkpoint",
-        "core.cells",  # of columns with finitely many values
+        "core.cells",  # columns of theta with finitely many values
         "core.families",  # levels that are not vectors of parameters
-        "core.processes",  # what a process asks of the system
-        "core.parameters",  # what the columns of theta are
-        "core.level_space",  # levels, and which there are
-        "core.compiled",  # what rollouts in one kernel are given
-        "core.begun",  # which environments have been reset
-        "core.upomdp",  # the seam
+        "core.processes",  # settings of worker processes
+        "core.parameters",  # parameters as columns of theta
+        "core.level_space",  # levels, and the space of levels
+        "core.compiled",  # arguments of rollouts in one kernel
+        "core.begun",  # checks that environments have been reset
+        "core.upomdp",  # the interface of environments and methods
         "core.episode_limit",
         "core.curriculum",
-        "core.painter",  # how levels look
+        "core.painter",  # drawings of levels
         "core.baselines",  # untrained policies
-        "core.task",  # what a run trains on
+        "core.task",  # environments and test levels of a run
         "probes",
         "learning",  # student, rollout, PPO
         "levels",  # records, queue, buffer, scores, teacher
-        "methods.method",  # what methods are made of
+        "methods.method",  # the parts of a method
         "methods",  # the papers
         "evaluation",
-        "adapters",  # Gymnasium, Stable-Baselines3, TorchRL; a trained student, elsewhere
+        "adapters",  # Gymnasium, Stable-Baselines3, TorchRL; trained policies for other programs
         "recorder",
     ),
     "experiments": (
         "run",
         "pictures",
         "imitation",  # demonstrations and clones
-        "transfer",  # policies, played in both engines
+        "transfer",  # policies in our simulator and in GRF
         "commands",
-        "loaded",  # their tables as data
-        "calls",  # the same from Python
+        "loaded",  # tables of results as DataFrames
+        "calls",  # the commands as Python functions
         "__main__",
     ),
 }
@@ -154,13 +155,13 @@ def modules(package: str) -> dict[str, Path]:
 
 @cache
 def imported(path: Path) -> tuple[str, ...]:
-    """Return what a file imports anywhere: at the top, in functions, for types alone; `from a import b` is `a.b`."""
+    """Return all imports of a file, also those in functions and for types only; `from a import b` gives `a.b`."""
     return tuple(_imported(tree(path), path))
 
 
 @cache
 def tree(path: Path) -> ast.Module:
-    """Return what a file says, parsed once."""
+    """Return the syntax tree of a file, parsed once."""
     return ast.parse(path.read_text())
 
 
@@ -174,13 +175,13 @@ def _imported(tree: ast.Module, path: Path) -> Iterator[str]:
 
 
 def own_name(name: str) -> str:
-    """Return the name of the folder that a module lies in: `regista.envs` is a link to `envs`."""
+    """Return a module's name by its real folder: `envs.x` for `regista.envs.x`, since `regista/envs` is a link."""
     inside = name.removeprefix("regista.")
     return inside if inside.partition(".")[0] in LINKED else name
 
 
 def arrows(package: str) -> dict[str, set[str]]:
-    """Return for each module of a package the modules of the package that it imports."""
+    """Return the imports of each module of a package, limited to modules of the same package."""
     known = modules(package)
     graph: dict[str, set[str]] = {}
     for name, path in known.items():
@@ -190,7 +191,7 @@ def arrows(package: str) -> dict[str, set[str]]:
 
 
 def floor(package: str, module: str) -> int:
-    """Return on which floor a module is, 0 at the ground."""
+    """Return the floor of a module, from 0 for the lowest."""
     inside = module.removeprefix(package + ".")
     rooms = [room for room in FLOORS[package] if inside == room or inside.startswith(room + ".")]
     if module == package or (not rooms and any(room.startswith(inside + ".") for room in FLOORS[package])):
@@ -200,7 +201,7 @@ def floor(package: str, module: str) -> int:
 
 
 def upward(package: str) -> set[str]:
-    """Return the imports of a package that lead to a higher floor, as "here -> there"."""
+    """Return the imports of a package from a higher floor, as "module -> imported module"."""
     return {
         f"{module} -> {target}"
         for module, targets in arrows(package).items()
@@ -210,7 +211,7 @@ def upward(package: str) -> set[str]:
 
 
 def ringed(package: str) -> set[str]:
-    """Return the modules of a package from which imports lead back to themselves."""
+    """Return the modules of a package that are part of an import cycle."""
     graph = arrows(package)
 
     def reachable(start: str) -> set[str]:

@@ -1,7 +1,7 @@
-"""The football programs of the repository: all, those in which something happens, and the modules they import.
+"""The football programs of the repository: all programs, those with dynamic parts, and the modules that they import.
 
-What a file is stands here, not in what its text happens to contain; `tests/envs/test_reference_match.py` loads all of
-them and asks what they say. Read next: `tests/envs/reference_match.py`.
+The tables below classify the files; nothing is derived from their text. `tests/envs/test_reference_match.py` loads all
+files and checks the tables. Read next: `tests/envs/reference_match.py`.
 """
 
 from pathlib import Path
@@ -12,7 +12,7 @@ MODULES = {
     "academy/places", "buildup/defenders", "defense/attacks", "experts/skills", "gauntlet/guards", "grf/episode",
     "offense/episode", "offense/offside", "one_v_one/places", "three_v_two/strategies",
 }  # fmt: skip
-# Folders and programs without a behavior, a monitor or a condition that ends a match.
+# Folders and programs without behaviors, monitors, temporal requirements and conditions that end a match.
 STILL = {
     "academy", "choose_passing", "crossing", "grf", "one_v_one",
     "defense/gk_vs_opponent", "defense/gk_vs_opponent_test", "defense/hesitant_dribble",
@@ -25,7 +25,7 @@ STILL = {
 
 
 def name_of(path: Path) -> str:
-    """Return a file's name in these tables, which a test shows, too."""
+    """Return a file's name in these tables and in the ids of tests."""
     return f"{path.parent.name}/{path.stem}"
 
 

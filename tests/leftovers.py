@@ -1,6 +1,6 @@
-"""A fixture for tests that start processes: whoever leaves one behind fails, and it is ended in any case.
+"""A fixture for tests that start processes: a test that leaves one behind fails, and the process is killed.
 
-Read next: `tests/experiments/conftest.py`, which asks for it.
+Read next: `tests/experiments/conftest.py`, which imports it.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from pathlib import Path
 
 import pytest
 
-PATIENCE = 3.0  # s for processes that are about to end
-SHARED = (b"resource_tracker", b"forkserver")  # Python's own, of which a process keeps one
+PATIENCE = 3.0  # seconds that processes have to end after their test
+SHARED = (b"resource_tracker", b"forkserver")  # Python's helper processes: each process keeps one of each
 
 
 @pytest.fixture(autouse=True)
 def nobody_left(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Fail a test that leaves a process behind, its own child or a child's; end them all, whatever came of the test."""
+    """Fail a test that leaves a child or another descendant behind; kill all such processes, also of failed tests."""
     before = started_in(request.node.nodeid)
     yield
     left = {}
@@ -41,9 +41,9 @@ def nobody_left(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 def started_in(test: str) -> dict[int, str]:
-    """Return the command lines, by number, of our children and of what else was started in a test; dead ones are none.
+    """Return the command lines, by process ID, of live children and of other live processes that a test started.
 
-    Children may start others and end; what pytest says of the test is in the environment of all of them.
+    A child may end before the processes that it started. All inherit `PYTEST_CURRENT_TEST`, which names the test.
     """
     tag, found = f"PYTEST_CURRENT_TEST={test} ".encode(), {}
     for folder in Path("/proc").iterdir():
@@ -53,7 +53,7 @@ def started_in(test: str) -> dict[int, str]:
             state, parent = (folder / "stat").read_text().rpartition(")")[2].split()[:2]
             ours = int(parent) == os.getpid() or tag in (folder / "environ").read_bytes()
             command = (folder / "cmdline").read_bytes()
-        except OSError:  # it has ended, or is somebody else's
+        except OSError:  # the process has ended, or belongs to another user
             continue
         if ours and state != "Z" and not any(word in command for word in SHARED):
             found[int(folder.name)] = command.replace(b"\0", b" ").decode(errors="replace")

@@ -1,6 +1,6 @@
-"""Executes notebooks, and stores their outputs without what belongs to a machine.
+"""Executes notebooks and stores their outputs, without details of the machine.
 
-    python -m tests.notebooks            # all of examples/, with their outputs stored
+    python -m tests.notebooks            # executes all notebooks of examples/ and stores their outputs
 
 Read next: `test_notebooks`.
 """
@@ -15,12 +15,12 @@ import nbformat
 from nbclient import NotebookClient
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
-SECONDS = 600  # of the clock, for one cell on a machine with other work
+SECONDS = 600  # wall-clock limit of one cell; the machine may be busy
 ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 
 
 def executed(path: Path, folder: Path) -> nbformat.NotebookNode:
-    """Return a notebook with the outputs that it has if it is executed in a folder."""
+    """Return a notebook with its outputs, executed in a folder."""
     notebook = nbformat.read(path, 4)
     environment = {"OMP_NUM_THREADS": "1", "NO_COLOR": "1", "PYTHONPATH": str(EXAMPLES.parent)}
     client = NotebookClient(
@@ -34,13 +34,13 @@ def executed(path: Path, folder: Path) -> nbformat.NotebookNode:
 
 
 def kinds(cell: nbformat.NotebookNode) -> list[str]:
-    """Return what the outputs of a cell are: "text/plain", "image/png", "stdout" ..."""
+    """Return the kinds of a cell's outputs except stderr: "text/plain", "image/png", "stdout" ..."""
     shown = [output for output in cell.get("outputs", ()) if output.get("name") != "stderr"]
     return [output.get("name") or max(output["data"], key=lambda kind: kind != "text/plain") for output in shown]
 
 
 def store(path: Path) -> None:
-    """Execute a notebook in a folder of its own, and store its outputs."""
+    """Execute a notebook in a temporary folder and store its outputs, without stderr and memory addresses."""
     with tempfile.TemporaryDirectory() as folder:
         notebook = executed(path, Path(folder))
     for cell in notebook.cells:

@@ -1,7 +1,7 @@
-"""Reads pages of the documentation, and does what their blocks show.
+"""Reads pages of the documentation, and writes the files that their blocks contain.
 
-A fenced block with `a/file.py`: before it is that file. Of the others, `python` is run, in one space of names; `sh` is
-run line by line; `console` is there to be typed, and only its flags are looked at. Read next: `test_docs`.
+A fenced block below a line "`a/file.py`:" is the content of that file. Other `python` blocks run in one namespace, and
+`sh` blocks run line by line. `console` blocks do not run; tests check only their flags. Read next: `test_docs`.
 """
 
 import ast
@@ -15,7 +15,7 @@ LINK = re.compile(r"(!?)\[(?:[^\[\]]|\[[^\]]*\])*\]\((?!\w+:)([^)\s]+)\)")
 
 
 class Block(NamedTuple):
-    """A fenced block: what its file is called, or what is done to a file; its language; its text."""
+    """A fenced block: the line above it that names its file or an edit of a file, its language, and its text."""
 
     where: str
     language: str
@@ -27,12 +27,12 @@ class Block(NamedTuple):
 
 
 def blocks(text: str) -> list[Block]:
-    """Return the fenced blocks of a page in their order."""
+    """Return the fenced blocks of a page in order."""
     return [Block(*found) for found in STEP.findall(text)]
 
 
 def commands(block: Block) -> list[str]:
-    """Return the lines of a block of commands, without comments, those that go on in the next line joined."""
+    """Return the commands of a block, without comments and with continued lines joined."""
     lines = block.text.replace("\\\n", " ").splitlines()
     return [line for line in (re.sub(r"(^|\s)#.*", "", line).strip() for line in lines) if line]
 
@@ -43,13 +43,13 @@ def prose(text: str) -> str:
 
 
 def headings(text: str) -> set[str]:
-    """Return the anchors of a page's headings, as forges make them."""
+    """Return the anchors of a page's headings, as GitHub generates them."""
     found = re.findall(r"^#+ (.+)$", prose(text), re.M)
     return {re.sub(r"[^\w\- ]", "", re.sub(r"\]\([^)]*\)", "", title).lower()).replace(" ", "-") for title in found}
 
 
 def dead_links(path: Path) -> list[str]:
-    """Return the links of a page that lead to no file of the repository, or to no heading in it."""
+    """Return the links of a page whose file, or whose heading in that file, does not exist."""
     dead = []
     for _, link in LINK.findall(prose(path.read_text())):
         file, _, heading = link.partition("#")
@@ -66,14 +66,14 @@ def pictures(path: Path) -> list[Path]:
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file that a page shows, which is not there yet."""
+    """Write a file from a page; the file must not exist yet."""
     assert not path.exists(), f"{path} exists already"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
 
 
 def add_row(path: Path, table: str, row: str) -> None:
-    """Add the text of a row after the last one of a table: a tuple, alone or in a dict made of it."""
+    """Insert a row below the last row of a table: the first tuple in the value assigned to the name `table`."""
     text = path.read_text()
     for node in ast.parse(text).body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]

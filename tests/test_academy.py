@@ -1,4 +1,4 @@
-"""The academy: every program is the original's scenario, and can be had by its name, from the command line as well."""
+"""Tests of GRF's academy scenarios: random positions, Gymnasium names, and control of the active player."""
 
 import gymnasium
 import numpy as np
@@ -21,14 +21,14 @@ def test_places_are_drawn_anew_for_every_level_where_it_is_asked_for():
     theta = np.random.default_rng(0).uniform(-1, 1, (50, 12))
     off = np.abs(program.instantiate(theta).positions - middle)
     assert off[:, :6].max() <= 1 + 1e-9 and off[:, :6].mean() == pytest.approx(0.5, abs=0.05)
-    assert (off[:, 6] == 0).all()  # the ball lies where it lay
+    assert (off[:, 6] == 0).all()  # the ball keeps its position
 
 
 def test_gymnasium_knows_it_by_the_originals_name_and_moves_the_active_player():
     env = gymnasium.make("regista/academy_3_vs_1_with_keeper-v1", representation="simple115")
     observation, _ = env.reset(seed=0)
     assert observation.shape == (115,)
-    assert np.flatnonzero(observation[97:108]).tolist() == [0]  # the keeper, as there
+    assert np.flatnonzero(observation[97:108]).tolist() == [0]  # the keeper, as in GRF
     assert env.unwrapped.batch.matches[0]["players"]["role"][0] == GK
     assert np.flatnonzero(env.step(0)[0][97:108]).tolist() == [1]
 

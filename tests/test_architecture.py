@@ -1,6 +1,6 @@
-"""The rules of the house: who may import whom, what loads lazily, how long a file may be.
+"""Tests of the architecture: allowed imports, lazy imports, lengths of files and functions.
 
-Read next: `tests/floors.py`, the rooms in their order.
+Read next: `tests/floors.py`, the import layers in order.
 """
 
 import ast
@@ -18,7 +18,7 @@ from tests.floors import FLOORS, ROOT, imported, modules, ringed, tree, upward
 OURS = ("kernels", "scenic_lite", "ued", "envs", "minigames", "experiments", "regista")
 STANDARD = set(sys.stdlib_module_names)
 
-# What each package, or a folder of it, may import beyond the standard library: the longest of these names holds.
+# Allowed imports of each package, folder or file beyond the standard library; the longest matching name applies.
 MAY_IMPORT = {
     "kernels": {"kernels", "numpy", "numba", "llvmlite"},
     "scenic_lite": {"scenic_lite", "kernels", "numpy", "numba", "shapely"},
@@ -41,13 +41,13 @@ MAY_IMPORT = {
     },
     "envs/scenic3": {"envs.scenic3", "ued.core", "numpy", "gymnasium", "scenic", "greenlet"},
     "minigames": {"minigames", "scenic_lite", "envs", "ued.core", "gymnasium"},
-    "regista": {"regista", "minigames", "experiments", "ued"},  # what lies in the folder itself, not behind its links
+    "regista": {"regista", "minigames", "experiments", "ued"},  # files in the folder itself, not in linked folders
 }
 EXCEPTIONS = {
-    "kernels/__init__.py": {"regista.bare_names"},  # these three are links, and answer to two names
+    "kernels/__init__.py": {"regista.bare_names"},  # linked folders: each can be imported under two names
     "envs/__init__.py": {"regista.bare_names"},
     "minigames/__init__.py": {"minigames", "regista.bare_names"},
-    "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # it runs where nothing else of ours is
+    "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # runs in an environment without Regista
     "envs/football/parallel_env.py": {
         "envs",
         "scenic_lite",
@@ -55,16 +55,16 @@ EXCEPTIONS = {
         "numpy",
         "gymnasium",
         "pettingzoo",
-    },  # an extra's interface
+    },  # the interface of an optional extra
 }
 
-# What is not yet as it should be. A line goes when its cause goes: the tests fail for lines without a cause, too.
+# Known violations. Remove an entry together with its cause: the tests also fail for entries that no longer apply.
 KNOWN_UPWARD: set[str] = set()
 KNOWN_RINGED: set[str] = set()
 KNOWN_LOST_POINTERS: set[str] = set()
 KNOWN_LONG_FILES: set[str] = set()
 
-# Functions that may be longer than forty lines: tables, recipes that name their stages, the machine's dispatch.
+# Functions that may be longer than forty lines.
 LONG_FUNCTIONS = {
     "scenic_lite/dynamics/machine/vm.py: run_thread",  # the machine's dispatch, flat for the branch predictor
 }
@@ -75,14 +75,14 @@ def sources(package):
 
 
 def pointers(path: Path) -> list[str]:
-    """Return the modules and files to which a file's docstring sends its reader next."""
+    """Return the modules and files that a file's docstring names after "Read next:"."""
     text = ast.get_docstring(tree(path)) or ""
     marked = re.findall(r"`(\w[\w./]+)`", text.partition("Read next:")[2])
     return [name for at, name in enumerate(marked) if at == 0 or "." in name]
 
 
 def leads_somewhere(pointer: str, path: Path) -> bool:
-    """Return whether a pointer names a module or a file, in full or seen from a package that `path` is in."""
+    """Return whether a pointer names a module or a file, in full or relative to a package that contains `path`."""
     inside = pointer if "/" in pointer else pointer.replace(".", "/")
     packages = [ROOT, *(folder for folder in path.parents if folder.is_relative_to(ROOT))]
     places = [folder / inside for folder in packages]
@@ -101,7 +101,7 @@ def within(module, allowed):
 
 
 def allowed_in(name: str) -> set[str]:
-    """Return what a file may import, by the longest prefix of its name."""
+    """Return the allowed imports of a file: its exception, or the entry with the longest prefix of its name."""
     prefixes = [place for place in MAY_IMPORT if name == place or name.startswith(place + "/")]
     return EXCEPTIONS.get(name, MAY_IMPORT[max(prefixes, key=len)])
 
@@ -146,8 +146,8 @@ def test_only_recordings_import_rerun():
     ]
 
 
-# What modules do not load, imported in this order in one process, where none may make it heavier for the next. What all
-# of `ued` must not load is asked in `tests/ued/test_package.py`.
+# Packages that an import must not load. One process imports all modules in this order, so imports accumulate.
+# `tests/ued/test_package.py` has the rule for all names of `ued`.
 LIGHT = {
     "ued.core.upomdp": {"torch"},
     "ued": {"torch"},
@@ -160,7 +160,7 @@ LIGHT = {
 
 
 def loaded(code):
-    """Return what a program in a process of its own says that it has loaded."""
+    """Run a program in a new process and return its output, the heavy packages that it has loaded."""
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -243,7 +243,7 @@ def test_there_is_exactly_one_parallel_loop():
 
 
 def test_a_program_is_data():
-    """Nothing in the language package evaluates text or touches Python objects by name."""
+    """The language package never evaluates text as Python and never accesses attributes by name."""
     forbidden = {"eval", "exec", "compile", "__import__", "getattr", "setattr"}
     for path in sources("scenic_lite"):
         for node in ast.walk(tree(path)):

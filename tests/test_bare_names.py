@@ -1,4 +1,4 @@
-"""With the root of a checkout on `sys.path`, `import envs` gives the modules of `regista.envs`, once."""
+"""With the root of a checkout on `sys.path`, `import envs` and `import regista.envs` give the same module objects."""
 
 import sys
 

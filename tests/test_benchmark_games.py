@@ -1,4 +1,4 @@
-"""The games of Scenic4RL's benchmark keep to its facts: who stands where, who does what, when an episode ends."""
+"""Tests of Scenic4RL's benchmark games: positions and behaviors of players, ends of episodes, published results."""
 
 import re
 from functools import cache
@@ -20,7 +20,7 @@ from regista.minigames.published import find_published, published
 from regista.minigames.suites import ALL, BENCHMARK, HERE, MIXTURES, NAMED
 from scenic_lite import load
 
-# The default regions of roles: x, y of the left team; the right one's are turned by half a turn.
+# Default regions of roles: x and y for the left team; the regions of the right team are rotated by 180 degrees.
 DEFAULTS = {
     "GK": "-100..-98 -2..2", "CB": "-52..-48 -10..10", "LB": "-44..-42 18..22", "RB": "-44..-42 -22..-18",
     "LM": "-20..-16 18..22", "CM": "-26..-22 -5..5", "RM": "-20..-16 -22..-18", "AM": "-15..-10 -2..2",
@@ -43,7 +43,7 @@ COUNTER = (
     "|RCB 40 6.3559|RRB -13.5 -20.5|RCM -36.5 -10.568|RCM -28.2 0|RCM -36.5 10.568|RLM -54 -31.61|RRM -51 0"
     "|RCF -54 31.6102"
 )
-# By page: object, where (x y, its default region if nothing is said), s if it has a behavior. The ball: "dx,dy of i".
+# By program: class, x and y (by default its role's region), s for a behavior. "dx,dy of i" is an offset from fact i.
 FACTS = {
     "offense/11_vs_gk": f"B 0 0|{LEFT_ELEVEN}|RGK",
     "offense/11_vs_gk/test": "B 0 0|LGK|LLB|LCB|LCB|LRB|LLM|LCM|LCM|LRM|LAM|LCF|RGK",
@@ -101,7 +101,7 @@ FACTS = {
     "grf/3_vs_1_with_keeper": "B 62 0|LGK -99 0|LCM 60 0|LCM 70 20|LCM 70 -20|RGK 99 0|RCB 75 0",
     "grf/counterattack_easy": COUNTER,
 }
-ACCEPTED = {  # attempts per scene in the original's interpreter, where they are many
+ACCEPTED = {  # attempts per scene in Scenic4RL's interpreter; 1.02 for the other programs
     "offense/11_vs_gk/test": 1.15,
     "offense/avoid_pass_shoot/test": 1.2,
     "offense/vision": 11,
@@ -120,7 +120,7 @@ def program_of(name):
 
 
 def span(text):
-    """Return the ends of "3" and "3..5"."""
+    """Return the ends of a range: 3 and 5 for "3..5", 3 and 3 for "3"."""
     low, _, high = text.partition("..")
     return float(low), float(high or low)
 
@@ -151,7 +151,7 @@ def test_every_page_has_its_facts():
 def test_everybody_stands_and_acts_as_the_facts_have_it(name):
     program = program_of(name)
     facts = [wanted(fact) for fact in FACTS[name].split("|")]
-    # keepers first in each team, the ball at the head: the order of the facts; the program may have the ball elsewhere
+    # The facts list the ball first, then each team from its keeper on; a program may have the ball elsewhere.
     ball = [info.class_name for info in program.objects].index("Ball")
     order = [ball, *(k for k in range(len(program.objects)) if k != ball)]
     found = [program.objects[k] for k in order]
@@ -168,7 +168,7 @@ def test_everybody_stands_and_acts_as_the_facts_have_it(name):
             values = places[:, index, axis]
             assert low - 1e-9 <= values.min() and values.max() <= high + 1e-9, (label, axis)
             inside = min(high, 99.5 if axis == 0 else 41.5) - max(low, -99.5 if axis == 0 else -41.5)
-            assert np.ptp(values) >= 0.6 * inside, (label, axis)  # all of it comes up
+            assert np.ptp(values) >= 0.6 * inside, (label, axis)  # the samples cover the region
 
 
 @pytest.mark.parametrize("name", FACTS)
@@ -251,13 +251,13 @@ def test_a_team_can_be_had_as_the_table_says(name):
 
 @pytest.mark.parametrize("name", [name for name, game in BENCHMARK.items() if game.expert])
 def test_semi_experts_play_the_players_of_the_game(name):
-    """Player by player in the order of the match: only then are their demonstrations of the game."""
+    """Demonstrations fit a game only if the expert program has the same players in the same order."""
     mine = [Lineup(program_of(name))]
     mine += [Lineup(load(path, FOOTBALL)) for path in (NAMED[name].expert, NAMED[name].team_expert) if path]
     starts = [lineup.starts(lineup.program.sample(64, np.random.default_rng(0))[0], np.arange(64)) for lineup in mine]
     for other in starts[1:]:
         assert (other["players"]["team"] == starts[0]["players"]["team"]).all()
-        for axis in "xy":  # fixed places are equal, drawn ones are of one region
+        for axis in "xy":  # fixed positions are equal, random ones have the same region
             places = [each["players"][axis].mean(0) for each in (starts[0], other)]
             np.testing.assert_allclose(*places, atol=0.6)
             np.testing.assert_allclose(other["ball"][axis], starts[0]["ball"][axis])

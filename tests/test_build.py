@@ -1,4 +1,4 @@
-"""A wheel has all that Regista needs and nothing else; every module of it can be imported, every name is defined."""
+"""Tests of wheels: all files of Regista and no others, modules that can be imported, no undefined names."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ from tests.wheels import LINKS, ROOT, build_sdist, build_wheel, clone, install, 
 pytestmark = pytest.mark.slow
 
 FOLDERS = {f"regista/{name}": name for name in ("kernels", "envs", "minigames", "experiments")}
-DATA = {".scenic", ".csv", ".pyi", ".typed", ".html", ".json", ".pt"}  # what programs read, besides Python
+DATA = {".scenic", ".csv", ".pyi", ".typed", ".html", ".json", ".pt"}  # suffixes of data files that the package reads
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_a_wheel_has_the_files_of_the_checkout_as_they_are(unpacked):
 
 
 def test_a_wheel_has_nothing_at_the_top_but_what_others_import(unpacked):
-    """No `envs` and no tests: nearly every project has folders of these names."""
+    """No `envs` and no `tests`, which would clash: nearly every project has folders with these names."""
     names = {path.name for path in unpacked.iterdir() if not path.name.endswith(".dist-info")}
     assert names == {"regista", "scenic_lite", "ued"}
 
@@ -69,7 +69,7 @@ def test_a_wheel_has_nothing_of_the_lab_and_no_tests(wheel):
 @pytest.mark.parametrize("name", ["ued", "scenic_lite"])
 @pytest.mark.parametrize("file", ["{}.py", "{}/__init__.py"])
 def test_another_package_of_the_same_name_is_refused(unpacked, tmp_path, name, file):
-    """In one sentence that names both places, and before torch is imported."""
+    """The error names both paths in one sentence, and occurs before torch is imported."""
     other = tmp_path / file.format(name)
     other.parent.mkdir(exist_ok=True)
     other.touch()
@@ -82,7 +82,7 @@ def test_another_package_of_the_same_name_is_refused(unpacked, tmp_path, name, f
 
 
 def test_type_checkers_read_what_is_installed(unpacked):
-    """PEP 561: without its marker a package is `Any` to mypy and to editors."""
+    """PEP 561: without the marker `py.typed`, mypy and editors treat a package as `Any`."""
     assert all((unpacked / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))
     assert (unpacked / "ued" / "__init__.pyi").is_file()
 
@@ -128,7 +128,7 @@ print("envs" in sys.modules, importlib.import_module("regista").__file__)
 
 
 def test_every_module_of_a_wheel_can_be_imported(unpacked, python, tmp_path):
-    """Of those that need a package that is not installed, as far as that package."""
+    """An import may fail only if a package of another project is not installed."""
     files = [path.relative_to(unpacked) for path in unpacked.rglob("*.py")]
     names = sorted(".".join(path.with_suffix("").parts).removesuffix(".__init__") for path in files)
     done = run([python, "-c", IMPORTS, *names], tmp_path)
@@ -147,7 +147,7 @@ print(jit.digest(), SIMULATOR_VERSION, *(path.relative_to(jit.ROOT) for path in 
 
 
 def test_an_installed_wheel_has_the_digests_of_the_checkout(python, tmp_path):
-    """So it shares the checkout's compiled kernels, and what it leaves carries the same version of the simulator."""
+    """So the wheel shares the compiled kernels of the checkout, and its results have the same simulator version."""
     kernels, version, *sources = run([python, "-c", SOURCES], tmp_path).stdout.split()
     assert "regista/envs/football/constants.py" in sources
     assert sources == [path.relative_to(jit.ROOT).as_posix() for path in jit.sources()]

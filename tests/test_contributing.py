@@ -1,6 +1,6 @@
-"""Pages that add something are carried out as they say: files are made, rows are added, commands run, tests pass.
+"""Follows the how-to pages for extensions: creates their files, adds their rows, runs their commands and tests.
 
-Read next: `pages`, which reads them.
+Read next: `pages`, which reads the pages.
 """
 
 import os
@@ -33,7 +33,7 @@ COPIED = (
 
 @pytest.fixture
 def checkout(tmp_path):
-    """Return a copy with its links; it loads the kernels that the checkout has compiled."""
+    """Return a copy of the checkout with its symbolic links; the copy shares the compiled kernels."""
     for name in COPIED:
         if (ROOT / name).is_dir():
             shutil.copytree(ROOT / name, tmp_path / name, symlinks=True)
@@ -57,7 +57,7 @@ for words in {lines}:
 
 
 def run(lines, folder):
-    """Run a block of commands; those of regista, in a row, in one process."""
+    """Run a block of commands; consecutive `regista` commands share one process."""
     for program, group in groupby(map(shlex.split, lines), itemgetter(0)):
         words = [line[1:] for line in group]
         if program == "regista":
@@ -72,7 +72,7 @@ def run(lines, folder):
 
 
 def carry_out(page, folder):
-    """Do what a page says, in its order, with trainings cut short; return how many of its blocks there were."""
+    """Follow the blocks of a page in order, with shorter training; return the number of blocks."""
     steps = blocks(re.sub(r"(env_steps < |--total-env-steps )[\d_]+", r"\g<1>2_000", page))
     for step in steps:
         if step.language == "sh":

@@ -1,4 +1,4 @@
-"""The games in which a curriculum is needed: their tests are scenes of them, and what makes them hard does."""
+"""Tests of the games that need a curriculum: test scenes lie within each game, and its difficulty parameters work."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ DIMENSIONS = {
     "Buildup": 15,
     "CrossingWide": 12,
 }
-HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Crowd": 4, "Buildup": 15}  # columns of held-out scenes, parts of the game
+HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Crowd": 4, "Buildup": 15}  # columns of held-out scenes, parts of each game
 
 
 def program_of(path):
@@ -28,7 +28,7 @@ def program_of(path):
 
 
 def corners(program):
-    """Return where objects stand at the ends and in the middle of every column: each one's least and greatest place."""
+    """Return the least and greatest position of each object: at the ends and middle of each column, and at random θ."""
     theta = np.vstack([np.zeros((1, program.dim)), np.eye(program.dim), -np.eye(program.dim)])
     theta = np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (256, program.dim))])
     places = program.instantiate(theta).positions
@@ -72,7 +72,7 @@ def test_held_out_keepers_stand_in_the_way_near_it_and_clear_of_it_within_the_ga
         places = program.instantiate(theta).positions
         assert (places.min(0) > low - 0.5).all() and (places.max(0) < high + 0.5).all(), label
         ego, keeper = places[:, 0], places[:, 1]
-        way = ego[:, 1] * (100 - keeper[:, 0]) / (100 - ego[:, 0])  # y of the way to the goal where the keeper stands
+        way = ego[:, 1] * (100 - keeper[:, 0]) / (100 - ego[:, 0])  # y of the line to the goal at the keeper's x
         gaps[label] = np.abs(keeper[:, 1] - way)
         assert (keeper[:, 0] >= ego[:, 0] - 0.5).all()
     assert gaps["in"].max() <= 2 <= gaps["near"].min() and gaps["near"].max() <= 6 <= gaps["clear"].min()
@@ -103,7 +103,7 @@ def test_what_is_rare_comes_in_one_random_level_of_fifty_and_in_half_of_what_is_
 
 
 def courses(name, columns, steps=30):
-    """Play while the carrier stands, `columns` set to a number; return places of the right `[steps, N, players, 2]`."""
+    """Play with an idle carrier and some columns fixed; return the right team's positions `[steps, N, players, 2]`."""
     env = FootballVectorEnv(SPARSE_REWARD[name].program, 32)
     env.reset(seed=0)
     theta = env.sample_levels(32)["theta"]
@@ -123,19 +123,19 @@ def test_a_guard_without_reach_stands_and_one_with_reach_comes():
     near = {0: 1.0, 1: 0.0}  # the striker is 10 m from the goal line, so close to the first guard that they touch
     still, awake = (courses("Gauntlet", near | dict.fromkeys((4, 7, 10), reach), 5)[:, :, 2:] for reach in (-1.0, 1.0))
     gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (still, awake)]
-    assert np.median(gone[0], 0).max() < 0.01  # of two guards, and few of them are pushed
+    assert np.median(gone[0], 0).max() < 0.01  # of the other two guards; few of them are pushed
     assert np.median(gone[1], 0).min() > 0.5
 
 
 def test_so_many_defend_as_are_awake():
     asleep, awake = (courses("Buildup", {0: value}, 10)[:, :, 1:] for value in (-1.0, 1.0))
     gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (asleep, awake)]
-    assert np.quantile(gone[0], 0.9) < 0.2  # some are pushed by those who run
+    assert np.quantile(gone[0], 0.9) < 0.2  # running players push some of them
     assert np.quantile(gone[1], 0.1) > 0.5
 
 
 def test_a_chaser_comes_the_nearer_the_greater_his_pace():
-    paces = (-1.0, -0.2, 1.0)  # stands, runs in four steps of ten, in all
+    paces = (-1.0, -0.2, 1.0)  # stands, runs in 4 of 10 steps, runs in every step
     ways = [courses("Pursuit", {0: -1.0, 1: 0.0} | dict.fromkeys((4, 7, 10), pace), 20)[:, :, 2:] for pace in paces]
     stood, walked, ran = (np.median(np.hypot(*np.moveaxis(way[-1] - way[0], -1, 0)), 0) for way in ways)
     assert stood.max() < 0.01
@@ -146,10 +146,10 @@ def test_an_episode_of_the_crowd_ends_where_the_ball_is_lost_before_the_box():
     env = FootballVectorEnv(SPARSE_REWARD["Crowd"].program, 64)
     env.reset(seed=0)
     theta = env.sample_levels(64)["theta"]
-    theta[:, 0], theta[:, 2] = -1.0, -1.0  # from midfield, guards who hardly reach for the ball
+    theta[:, 0], theta[:, 2] = -1.0, -1.0  # from midfield, guards with the shortest reach
     env.reset(seed=0, options={"theta": theta})
     ended = np.zeros(64, bool)
     for step in range(40):
-        _, reward, ended_now, cut, _ = env.step(np.full(64, 12 if step == 0 else 0))  # a shot, then nothing
+        _, reward, ended_now, cut, _ = env.step(np.full(64, 12 if step == 0 else 0))  # a shot, then idle
         ended |= ended_now | cut
     assert ended.mean() > 0.9 and (reward == 0).all()

@@ -1,6 +1,6 @@
-"""The documentation is true: every block runs, every link leads somewhere, every picture names its command.
+"""Tests of the documentation: blocks run, link targets exist, and each picture's caption names its command.
 
-Trainings are cut to a few steps. The pages on adding something are carried out by `test_contributing`.
+Training is cut to a few steps. `test_contributing` follows the how-to pages for extensions.
 """
 
 import inspect
@@ -42,9 +42,9 @@ NEEDS = {
     "howto/scenic3.md": "scenic",
     "howto/environment.md": "Box2D",
     "api.md": "pandas",
-}  # what is not installed everywhere
+}  # optional packages
 
-# What is typed after a command of a page, so that it ends soon. Of other commands only the flags are looked at.
+# Arguments added to the commands of a page, so that they end soon. For other commands, only the flags are checked.
 BRIEF = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--eval-every", "0"]
 QUICK = {
     "train": BRIEF,
@@ -62,7 +62,7 @@ LANGUAGES = {"python", "sh", "console", "scenic"}
 
 @cache
 def flags(command):
-    """Return the flags that a command has."""
+    """Return the flags of a command, from its help."""
     shown = io.StringIO()
     with redirect_stdout(shown), suppress(SystemExit):
         main([command, "--help", "all"])
@@ -70,25 +70,25 @@ def flags(command):
 
 
 def has_its_flags(words):
-    """Raise unless `regista WORDS` has the flags that are shown."""
+    """Assert that `regista WORDS` names an existing command and existing flags."""
     assert words[0] in COMMANDS or words[0].startswith("-"), words
     typed = {word for word in words if re.match(r"--?[a-z]", word)} - {"--help", "--version"}
     assert typed <= flags(words[0]), f"{words}: no {typed - flags(words[0])}"
 
 
 class Reader:
-    """Somebody who does what a page says, in an empty folder.
+    """A reader who follows a page in an empty folder.
 
     Attributes:
-        names: what the Python of the page has made.
-        records: whether trainings write recordings: the page opens one.
+        names: the namespace of the page's Python blocks.
+        records: whether training writes recordings, because the page opens one.
     """
 
     def __init__(self, text):
         self.names, self.records = {"__name__": "page"}, "\nrerun " in text
 
     def read(self, block):
-        """Do what a block shows."""
+        """Write the file of a block, or run the block."""
         assert block.language in LANGUAGES | {"text", "bibtex", ""}, block
         if block.where:
             write(Path(block.names[0]), block.text)
@@ -116,7 +116,7 @@ class Reader:
         if words[0] == "train":
             extra = extra[:2] if "--resume" in words else extra + ["--no-record"] * (not self.records)
         if "--replay" in words:
-            extra = []  # a record is as long as it is
+            extra = []  # the length of a recorded match is fixed
         if words[0] == "evaluate" and "--episodes" in words:
             extra = [*extra, "--level-episodes", "2"]
         assert main([*words, *extra]) == 0, words
@@ -145,14 +145,14 @@ def test_every_block_of_a_page_runs(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(workers, "train_all", train_here)
     monkeypatch.setattr(sys, "path", [*sys.path])
-    for path in ("minigames", "examples"):  # pages begin in a checkout, or in a folder of the reader's
+    for path in ("minigames", "examples"):  # pages start in a checkout, or in a reader's own folder
         (tmp_path / path).symlink_to(ROOT / path)
     reader, known = Reader(text), set(sys.modules)
     try:
         for block in blocks(text):
             reader.read(block)
     finally:
-        for module in set(sys.modules) - known:  # files of the page, which another page may have, too
+        for module in set(sys.modules) - known:  # files of the page: another page may have the same names
             if str(tmp_path) in str(getattr(sys.modules[module], "__file__", "")):
                 del sys.modules[module]
 
@@ -190,7 +190,7 @@ def test_the_site_is_built_without_a_complaint(tmp_path):
     assert re.search(r"-&gt; int .{,600}Returns: Type Description int the seed of an episode", api)
     notebook = (tmp_path / "site" / "source" / "examples" / "football_curriculum.ipynb.html").read_text()
     assert notebook.count('src="data:image/png;base64,') == 2 and notebook.count('src="data:image/gif;base64,') == 1
-    assert "free parameters" in notebook and "[the minigames](" not in notebook.lower()  # a printed output; links
+    assert "free parameters" in notebook and "[the minigames](" not in notebook.lower()  # output; rendered links
 
 
 def test_summaries_that_return_become_sections():
@@ -213,7 +213,7 @@ def test_python_has_every_name_that_is_offered():
     page = (DOCS / "api.md").read_text()
     shown = set(re.findall(r"[\w.]+", page))
     homes = ued._homes()
-    whole = {"ued.config", *(row.module for row in ued.METHODS.values())}  # all that is in these is shown
+    whole = {"ued.config", *(row.module for row in ued.METHODS.values())}  # the page shows all names of these modules
     missing = [name for name, home in homes.items() if home not in shown or (name not in shown and home not in whole)]
     assert missing == []
 

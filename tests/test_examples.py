@@ -1,4 +1,4 @@
-"""The examples run as they stand, for seconds, in this process: another would import torch anew."""
+"""Tests of the examples: each runs unchanged for a few seconds, in this process, which has already imported torch."""
 
 import runpy
 import sys

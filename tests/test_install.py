@@ -1,6 +1,6 @@
-"""An installed Regista does everything that it does in a checkout, beside a project with an `envs` folder of its own.
+"""Tests of an installed Regista: its commands work in a project that has its own `envs` folder.
 
-Read next: `test_build`, what is installed.
+Read next: `test_build`, which checks the contents of wheels.
 """
 
 import csv
@@ -34,14 +34,14 @@ FEW = ["--episodes", "2", "--levels", "0"]
 
 @pytest.fixture(scope="module")
 def python(tmp_path_factory):
-    """Return the Python of an environment that has a wheel of this checkout."""
+    """Return the Python of an environment in which a wheel of this checkout is installed."""
     folder = tmp_path_factory.mktemp("installed")
     return install(build_wheel(clone(folder / "clone"), folder / "wheel"), folder / "environment")
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
-    """Return a user's project, with folders of the names that Regista's have in its repository."""
+    """Return a user's project, whose folders have the same names as folders of Regista's repository."""
     folder = tmp_path_factory.mktemp("project")
     for name, text in {"envs": "", "kernels": FOREIGN, "minigames": FOREIGN, "experiments": FOREIGN}.items():
         (folder / name).mkdir()

@@ -1,4 +1,4 @@
-"""Kernels compiled by several processes, killed ones among them, and caches that are damaged or cannot be written."""
+"""Tests of the kernel cache: concurrent and killed processes, and caches that are damaged or cannot be written."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from regista.kernels.numba_linking import Kernel
 
 pytestmark = pytest.mark.skipif(jit.kernel(lambda x: x).__class__ is not Kernel, reason="Numba compiles as usual")
 
-# A program of two kernels; with `slow`, its compilation takes longer than the patience of another process.
+# A program with two kernels; with `slow`, it compiles for longer than `PATIENCE`, so another process reports waiting.
 PROGRAM = """
 import sys, time
 from pathlib import Path
@@ -66,14 +66,14 @@ def start(folder: Path, *words: str) -> subprocess.Popen[str]:
 
 
 def said(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """Return what a process prints until it ends."""
+    """Wait for the end of a process; return its stdout and stderr."""
     out, errors = process.communicate(timeout=60)
     return out.strip(), errors.strip()
 
 
 @contextmanager
 def compiling(folder: Path, seconds: float) -> Iterator[subprocess.Popen[str]]:
-    """Start a process, and wait until it compiles, for so many seconds."""
+    """Start a process that compiles for `seconds`; yield it once compilation has begun, and kill it afterwards."""
     process = start(folder, "slow", str(seconds))
     try:
         until = time.monotonic() + 60
@@ -117,7 +117,7 @@ def test_damaged_caches_are_replaced(folder: Path) -> None:
         assert said(start(folder)) == (LOADED, "")
 
 
-# Everything that commands do with environments: other programs, representations and numbers of matches and agents.
+# All uses of environments by commands: different programs, representations, numbers of matches and of agents.
 PLAY = """
 import sys
 from dataclasses import replace

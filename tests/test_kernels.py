@@ -1,4 +1,4 @@
-"""The kernel decorator: what is cached where, and when a cache is stale."""
+"""Tests of the kernel decorator: the folder of the cache, its contents, and stale caches."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from tests.floors import imported, modules, own_name
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
-    """Return the folder that a fresh process would cache in, asked without touching this one's."""
+    """Return the cache folder of a new process; the folder of this process is not changed."""
     return asked(tmp_path, **environment)[0]
 
 
 def asked(tmp_path: Path, **environment: str) -> tuple[str, str]:
-    """Return the same, and what it says of it on stderr."""
+    """Return the cache folder of a new process, and its messages on stderr."""
     command = [sys.executable, "-c", "from regista.kernels import jit; print(jit.CACHE)"]
     inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     inherited |= {"PYTHONPATH": str(jit.ROOT), "TMPDIR": str(tmp_path), **environment}
@@ -119,7 +119,7 @@ def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, mon
 
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a copy of all sources that kernels may stand in, laid out as in a checkout: `regista/envs` is a link."""
+    """Return a copy of all sources that may contain kernels, laid out as in a checkout: `regista/envs` is a link."""
     folder = tmp_path_factory.mktemp("copied")
     for inside, package in {"scenic_lite": "scenic_lite", "regista/envs": "envs", "regista/kernels": "kernels"}.items():
         shutil.copytree(jit.ROOT / inside, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
@@ -135,7 +135,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("file", "stale"),
     [
-        ("envs/football/constants.py", True),  # two imports away from `play`, and farther
+        ("envs/football/constants.py", True),  # at least two imports away from `play`
         ("envs/football/observation/units.py", True),
         ("envs/football/scenic/world_fields.py", True),
         ("scenic_lite/values/formulas.py", True),
@@ -169,7 +169,7 @@ def covered() -> set[str]:
 
 
 def test_the_digest_misses_no_import() -> None:
-    """Sources are found by a pattern, for speed; here by Python's own parser, which also sees inside of functions."""
+    """The digest finds imports by a pattern, for speed; this test uses Python's parser, also inside functions."""
     sources = covered()
     ours = {own_name(name) for package in jit.PACKAGES for name in modules(package.removeprefix("regista/"))}
     assert "envs.football.simulator" in sources & ours
@@ -373,4 +373,4 @@ def test_kernels_work_without_the_linking_of_their_own(tmp_path: Path) -> None:
     holder = np.zeros(1, [("random", "u8")]).view(np.recarray)[0]
     holder.random = streams([3])[0]
     assert float(total) == uniform(holder) + uniform(holder)
-    assert digest != jit.digest()  # neither reads the other's cache
+    assert digest != jit.digest()  # neither kind reads the other's cache

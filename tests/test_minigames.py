@@ -1,4 +1,4 @@
-"""The minigames keep to their numbers: columns of θ, acceptance, tests that lie within the training distribution."""
+"""Tests of the minigames: columns of θ, share of valid levels, test scenes within the training distribution."""
 
 import numpy as np
 import pytest
@@ -19,13 +19,13 @@ OBJECTS = {
     "ChoosePassing": ["LeftCM", "LeftCF", "LeftCF", "RightGK", "RightCB", "LeftGK", "Ball"],
     "3v2FourBehaviors": ["LeftCM", "LeftLM", "LeftRM", "RightCB", "RightGK", "LeftGK", "Ball"],
 }
-RANGES = {  # of the columns that matter, in the program's units
+RANGES = {  # of the first columns of θ, in the program's units
     "1v1Restricted": [(40, 60), (-10, 10), (60, 80), (-25, 25)],
     "1v1Free": [(0, 80), (-25, 25), (0, 80), (-25, 25)],
     "ChoosePassing": [(58, 62), (-3, 3), (70, 76), (-3, 3), (78, 90), (-15, 15)],
     "3v2FourBehaviors": [(72, 78), (-6, 6), (76, 86), (8, 20), (76, 86), (-20, -8), (84, 92), (-8, 8)],
 }
-DIMENSIONS = {"3v2FourBehaviors": 9}  # the last column is the selector of the strategy; 6 where nothing is said
+DIMENSIONS = {"3v2FourBehaviors": 9}  # the last column selects the strategy; other games have 6 columns
 PLACED = {"ChoosePassing": [0, 3, 4], "3v2FourBehaviors": [0, 1, 2, 3]}  # objects in the order of the columns
 AREAS = {"1v1Restricted": 400_000, "1v1Free": 16_000_000}  # thesis, section 4.3: "0.4M" and "16M"
 
@@ -81,9 +81,10 @@ STRATEGIES = {"A": 0.125, "B": 0.375, "C": 0.625, "D": 0.875}
 
 
 def courses_of(label, steps=40, count=32):
-    """Return where the defender (match index 5) and the ball are in a strategy's test scene: [T, count, 2] each.
+    """Return positions of the defender (match index 5) and the ball, `[T, count, 2]`, and actions of the defender.
 
-    The learner stands still; matches that have ended give nan.
+    They are of a strategy's test scene, where the learner stands still. The actions have shape `[T, count]`. After the
+    end of a match, positions are nan and actions are -1.
     """
     path = next(path for name, path in MINIGAMES["3v2FourBehaviors"].tests if name.startswith(label))
     env = FootballVectorEnv(path, count)
@@ -133,7 +134,7 @@ def test_the_goal_guard_stays_before_his_goal_while_the_ball_is_far():
     far = np.linalg.norm(places - balls, axis=2) > 12
     assert np.nanmin(np.where(far, places[:, :, 0], np.nan)) > 84
     assert np.abs(np.where(far, places[:, :, 1], 0)).max() < 6
-    assert (pressed[25:] == 14).any()  # he has arrived and stands
+    assert (pressed[25:] == 14).any()  # the defender has arrived and stands
 
 
 def test_every_strategy_comes_up_in_training():
@@ -150,7 +151,7 @@ class Idle(Untrained):
 
 
 def test_the_built_in_ai_is_a_baseline_that_leaves_the_environments_alone():
-    """It scores where idle players do not, plays the same again, and what is played next is not played by it."""
+    """The AI scores where idle players do not, its play is reproducible, and it does not control later policies."""
     task = MINIGAMES["1v1Restricted"].task()
     upomdp = task.scenes()["easy"](16)
     built_in = task.make_baselines(upomdp)["built-in"]

@@ -1,4 +1,4 @@
-"""The notebooks run as they stand, with the kinds of output that are stored in them. Read next: `notebooks`."""
+"""Tests of the notebooks: each runs unchanged, with the same kinds of output as it stores. Read next: `notebooks`."""
 
 import re
 

@@ -1,8 +1,9 @@
-"""No number on a page without its source: a generated table, or a mark that names a command or a file.
+"""Tests that every number on a page has a source: a generated table, or a mark that names a command or a file.
 
-Numbers are percentages, decimals, signed numbers, intervals and points. Each stands in a generated table of its page
-or of a page that it links to; or its paragraph, item or table has a mark `<!-- source: COMMAND OR FILE -->`; or the
-head of the page, above its first section, has `<!-- source of this page: COMMAND OR FILE -->`. Read next: `test_prose`.
+Numbers are percentages, decimals, signed numbers, intervals and percentage points. A generated table of the page, or of
+a page that it links to, is a source. So is a mark `<!-- source: COMMAND OR FILE -->` in the paragraph, item or table.
+For a complete page, `<!-- source of this page: COMMAND OR FILE -->` stands above the first section. Read next:
+`test_prose`.
 """
 
 import re
@@ -18,17 +19,17 @@ MEASURED = re.compile(
     rf"(?<![\w.,/^])(?:[-+]?{NUMBER}%|[-+]\d[\d.]*(?![\w-])|{NUMBER}(?= (?:percentage )?points)|\d+\.\d+(?![\w.]))"
     rf"|\[[-+]?{NUMBER}, [-+]?{NUMBER}\]"
 )
-DEFINED = re.compile(  # code, ranges, levels of confidence, none and all, papers
+DEFINED = re.compile(  # not measured: code, ranges, confidence levels, 0% and 100%, arXiv IDs
     r"`[^`]+`|(?:in|to|of) \[-?\d+, \d+\]|\b95%(?= (?:CI|bootstrap|confidence|interval))|\b(?:0|100)%|\d{4}\.\d{5}"
 )
-# A name with its number: a version, a figure, a license
+# A name and its number: versions, figures, licenses
 VERSION = re.compile(r"\b(?:[A-Z][\w-]*|[a-z]+(?:-[a-z]+)+)\]?(?: below)?[ -]\d[\d.]*(?:,?(?: and| or| to)? \d[\d.]*)*")
 MARK = re.compile(r"<!-- source: (.+?) -->")
 PAGE_MARK = re.compile(r"<!-- source of this page: (.+?) -->")
 
 
 def known(path):
-    """Return the numbers in generated tables of a page and of pages that it links to."""
+    """Return the numbers in generated tables of a page and of the pages that it links to."""
     linked = [path]
     for _, link in LINK.findall(prose(path.read_text())):
         file = link.partition("#")[0]
@@ -38,7 +39,7 @@ def known(path):
 
 
 def without_source(text, known):
-    """Return what a page says with a number that has no source, by its first words."""
+    """Return a line for each paragraph with numbers without a source: the numbers and the first words."""
     if PAGE_MARK.search(text.partition("\n## ")[0]):
         return []
     lines = []
@@ -59,7 +60,7 @@ def test_numbers_have_a_source(name):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_sources_exist(name):
-    """A mark has a line of its own: what follows it in its line would not be read as Markdown."""
+    """A mark has its own line: Markdown after it on the same line would not be rendered."""
     text = read(name)
     marks = [*MARK.findall(text), *PAGE_MARK.findall(text)]
     assert (

@@ -1,4 +1,4 @@
-"""Pictures of recordings in the documentation have all colors: RGB, with those of their legends."""
+"""Tests of the pictures of recordings in the documentation: RGB, with all colors of their legends."""
 
 import numpy as np
 import pytest

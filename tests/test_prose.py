@@ -1,7 +1,7 @@
-"""Pages read as one text: American spelling, standard words, lengths, and a command beside every generated table.
+"""Tests of the prose: American spelling, words of the field, lengths of pages, a command with every generated table.
 
-Only patterns with few false positives are forbidden; code, names of files and quoted output are left out. Read next:
-`test_docs`, which runs what pages show.
+Only patterns with few false positives are forbidden. Code, names of files and quoted output are exempt. Read next:
+`test_docs`, which runs the blocks of pages.
 """
 
 import io
@@ -21,7 +21,7 @@ READMES = (
     *("envs/grf/README.md", "lab/README.md", "lab/grf/data/README.md"),
 )
 
-BRITISH = (  # stems of words that are spelled otherwise in American English
+BRITISH = (  # stems of words with a different American spelling
     "(?:behavi|col|fav|neighb|hon|lab)our",
     *("centre", "metre\\b", "metres\\b", "licence", "defence", "offence", "grey", "programme\\b", "catalogue"),
     *("learnt", "burnt", "spelt", "whilst", "artefact", "judgement", "practis", "analys(?:e|ed|ing)\\b"),
@@ -31,7 +31,7 @@ BRITISH = (  # stems of words that are spelled otherwise in American English
 )
 SPELLING = rf"\b\w*(?:{'|'.join(BRITISH)})\w*"
 PACKAGES = ("ued", "kernels", "scenic_lite", "envs", "minigames", "experiments", "lab")
-IDIOMS = (  # how this project must not speak: shared words in place of those of the field
+IDIOMS = (  # forbidden idioms, and words of the field that replace them
     (r"told", "specify, report"),
     (r"anew", "again"),
     (r"mended", "fixed"),
@@ -62,7 +62,7 @@ def said(text):
 
 
 def found(pattern, text):
-    """Return what a page says that matches, with the words around it."""
+    """Return all matches in a text, each with 30 characters of context on both sides."""
     return [text[max(0, match.start() - 30) : match.end() + 30] for match in re.finditer(pattern, text, re.I)]
 
 
@@ -72,9 +72,9 @@ def test_pages_are_in_american_english(name):
 
 
 def said_in_code(pattern, package):
-    """Return what docstrings and comments of a package say that matches, by file.
+    """Return all matches in docstrings and comments of a package, by file.
 
-    Names of variables are left out: words with an underscore, a colon or in backticks.
+    Names are ignored: words beside an underscore, a backtick, a hyphen or a slash, or before a colon or parenthesis.
     """
     written = rf"(?<![\w.`\"/-])(?:{pattern})(?![\w`(:-])"
     kinds, said_so = {tokenize.COMMENT, tokenize.STRING}, {}
@@ -116,7 +116,7 @@ def test_numbers_are_written_in_one_way(name):
 
 @pytest.mark.parametrize("name", [*PAGES, *READMES])
 def test_pages_name_versions_and_no_commits(name):
-    """Results belong to a version of the simulator: of a commit nobody knows what it plays."""
+    """Results name a version of the simulator: readers cannot see from a commit hash which matches it plays."""
     assert found(HASH, read(name)) == []
 
 
@@ -127,7 +127,7 @@ def test_pages_stay_short(name):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_a_generated_table_names_its_command(name):
-    """In the table, in its section, or in a block at the head of the page."""
+    """The command is in the table, in its section, or in a block above the first section."""
     text = PAGES[name].read_text()
     head = " ".join(block.text for block in blocks(text.partition("\n## ")[0]))
     for table in GENERATED.finditer(text):

@@ -1,4 +1,4 @@
-"""What the README and the pages behind it promise holds: tables, extras, commands, citation. Read next: `test_docs`."""
+"""Tests of claims in the README and its linked pages: tables, extras, commands, citation. Read next: `test_docs`."""
 
 import re
 import shutil
@@ -18,11 +18,11 @@ from ued.methods import METHODS
 
 README = (ROOT / "README.md").read_text()
 HOWTO = ROOT / "docs" / "howto"
-STEPS = "200_000"  # of training, in the example; here fewer
+STEPS = "200_000"  # of training in the example; the test takes fewer
 
 
 def blocks(text, *languages):
-    """Return the fenced blocks of a page in certain languages."""
+    """Return the texts of a page's fenced blocks in the given languages."""
     return [block.text for block in pages.blocks(text) if block.language in languages]
 
 
@@ -56,7 +56,7 @@ def test_a_task_of_ones_own_can_be_made_tested_and_described():
 
 
 def test_the_curriculum_with_a_trainer_of_ones_own():
-    """The student of this trainer solves levels whose first parameter is below a frontier, which moves as it learns."""
+    """The trainer's student never improves: it solves a level with probability 0.5 - theta[0], clipped to [0, 1]."""
     (example,) = [text for text in blocks((HOWTO / "trainer.md").read_text(), "python") if "propose(" in text]
     learned = []
 
@@ -67,7 +67,7 @@ def test_the_curriculum_with_a_trainer_of_ones_own():
     names = {"play": play}
     exec(example, names)
     assert len(learned) == 100 * 16 * 2
-    assert names["metrics"]["buffer/fill_ratio"] > 0.5 and any(learned) and not all(learned)  # replayed ones alone
+    assert names["metrics"]["buffer/fill_ratio"] > 0.5 and any(learned) and not all(learned)  # only replayed levels
 
 
 def test_every_method_is_in_the_table():
@@ -77,7 +77,7 @@ def test_every_method_is_in_the_table():
 
 
 def test_every_command_is_shown():
-    """With flags that it has: see `test_docs`."""
+    """`test_docs` checks the flags of these commands."""
     shown = re.findall(r"^regista (\w+)", (ROOT / "docs" / "commands.md").read_text(), re.M)
     assert set(shown) == set(COMMANDS)
 
@@ -105,7 +105,7 @@ def test_the_citation_is_of_this_version():
 
 
 def test_the_new_names_of_an_upgrade_are_there():
-    """The right column names modules, in full or as `.name` beside the one before, and what is in them."""
+    """The right column names a module, modules beside it as `.name`, and attributes of the first module."""
     rows = re.findall(r"^\| .+ \| (.+) \|$", (ROOT / "docs" / "upgrading.md").read_text(), re.M)
     named = [[text for text in re.findall(r"`([^`]+)`", row) if not text.startswith("--")] for row in rows]
     modules = [names for names in named if names and names[0].split(".")[0] in ("scenic_lite", "regista", "ued")]

@@ -1,4 +1,4 @@
-"""The arithmetic of compiled rollouts, against NumPy in double precision."""
+"""Tests of the arithmetic in compiled rollouts, against NumPy in double precision."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def starts_of(seeds, starts):
 
 
 def spread_out(largest: float) -> np.ndarray:
-    """Return float32 numbers of all magnitudes up to `largest`, of both signs, and the special ones."""
+    """Return float32 numbers of both signs and all magnitudes up to `largest`, with both zeros and both limits."""
     rng = np.random.default_rng(0)
     sizes = np.concatenate([largest * rng.random(40_000), np.exp(rng.uniform(-40, np.log(largest), 40_000))])
     numbers = np.concatenate([sizes, -sizes, [0.0, -0.0, largest, -largest]]).astype(np.float32)

@@ -1,6 +1,6 @@
-"""Builds what is distributed from the files of the checkout, and makes environments that have it installed.
+"""Builds wheels and source distributions of the checkout, and virtual environments with an installed wheel.
 
-Read next: `test_build`, what a wheel holds; `test_install`, what an installed wheel does.
+Read next: `test_build`, the contents of a wheel; `test_install`, the commands of an installed wheel.
 """
 
 import os
@@ -15,10 +15,10 @@ LINKS = ("regista/kernels", "regista/envs", "regista/minigames", "regista/experi
 
 
 def clone(folder: Path, *, links: bool = True) -> Path:
-    """Write the files of the checkout into a folder, as `git clone` does; without `links`, as Git does on Windows."""
+    """Copy the checkout into a folder, as `git clone` does; without `links`, links become text files, as on Windows."""
     words = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
-    for name in filter(lambda name: name and os.path.lexists(ROOT / name), names):  # not those that are deleted
+    for name in filter(lambda name: name and os.path.lexists(ROOT / name), names):  # Git also lists deleted files
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if not (ROOT / name).is_symlink():
@@ -70,12 +70,12 @@ def build_sdist(source: Path, folder: Path) -> Path:
 
 
 def install(wheel: Path, folder: Path) -> Path:
-    """Make an environment with a wheel and the dependencies of this one, but not the checkout; return its Python."""
+    """Create an environment with a wheel and this environment's dependencies, but no checkout; return its Python."""
     venv.create(folder, symlinks=True)
     python = folder / "bin" / "python"
     done = pip("install", wheel, folder=folder, python=python)
     assert done.returncode == 0, done.stdout + done.stderr
     site = Path(run([python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"], folder).stdout.strip())
     ours = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
-    (site / "dependencies.pth").write_text("\n".join(sorted(ours)))  # whose own .pth files are not read
+    (site / "dependencies.pth").write_text("\n".join(sorted(ours)))  # their own .pth files are not read
     return python
