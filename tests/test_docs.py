@@ -125,7 +125,7 @@ class Reader:
         if words[0] == "rerun":
             assert all(os.path.getsize(name) for name in words[1:]), words
         else:
-            assert words[0] == "python", f"nobody knows how to run {words}"
+            assert words[0] == "python", f"the tests cannot run {words}"
             runpy.run_path(words[1], run_name="__main__")
 
 
