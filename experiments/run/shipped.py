@@ -40,7 +40,7 @@ def located(word: str | Path) -> Path:
         return Path(word)
     known = names()
     if str(word) not in known:
-        # Compared without the prefix, which makes all names alike.
+        # Compared without the prefix, which would make all names similar.
         near = nearest(str(word).removeprefix(PREFIX), [name.removeprefix(PREFIX) for name in known])
         near = near.replace("mean '", f"mean '{PREFIX}")
         raise UsageError(f"there is no policy {word}{near}; these are shipped: {', '.join(known)}")
