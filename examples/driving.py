@@ -26,7 +26,7 @@ class Driver(Role):
 
     observation_space = Box(-np.inf, np.inf, (3,), np.float32)
     action_space = Discrete(len(PEDALS))
-    max_steps = 150  # of 0.1 s
+    max_steps = 150  # steps of 0.1 s
 
     def observe(self, simulation):
         ego, lead = simulation.objects
