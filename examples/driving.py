@@ -1,6 +1,6 @@
 """A Scenic 3 program as a task for any method: follow a car that will brake, and stop behind it.
 
-    regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # what is random in it
+    regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # its random parameters
     regista train examples/driving.py:driving --method plr --num-envs 4
     regista train examples/driving.py:driving --method paired --num-envs 4
 

@@ -194,7 +194,7 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
         n, seed: number of random levels, and their seed.
 
     Returns:
-        what `regista inspect` prints, as text and as data.
+        the output of `regista inspect`, as text and as data.
 
     Raises:
         UsageError: an unknown name.

@@ -1,7 +1,7 @@
 """The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
-fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only
+fields are plain flags (`--learning-rate`), otherwise its name precedes them (`--paired.dr-fraction`). Only
 given flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
 with topics have their own pages, `--help TOPIC`. Read next: `run.config`.
 """

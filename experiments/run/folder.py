@@ -181,7 +181,7 @@ class RunFolder:
     @property
     def argv(self) -> list[str]:
         """Arguments of `regista` that resume the run, in any working directory."""
-        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # from the command line, in no file
+        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # a flag, stored in no file
         typed = ["--grf-python", engine] if engine else []
         return [
             "train",

@@ -289,7 +289,7 @@ def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.
 
 
 def _as_share(interval: Interval) -> Interval:
-    """Clip an interval to [0, 1]; nan stays."""
+    """Clip an interval to [0, 1]; nan is unchanged."""
     low, high = np.clip((interval.low, interval.high), 0.0, 1.0)
     return interval._replace(low=float(low), high=float(high))
 

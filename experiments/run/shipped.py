@@ -3,8 +3,8 @@
     regista play --player shipped:maze
     regista evaluate shipped:maze
 
-Each is a run folder without its history: config.json and a checkpoint of the student alone. It is read as any run
-folder, with the same checks. `python -m lab.policies` trains them. Read next: `run.folder`.
+Each is a run folder with only config.json and a checkpoint of the student. It is read like any run folder, with the
+same checks. `python -m lab.policies` trains them. Read next: `run.folder`.
 """
 
 from __future__ import annotations

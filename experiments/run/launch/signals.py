@@ -210,7 +210,7 @@ def held_back() -> Iterator[None]:
 
 
 def forget_terminal() -> None:
-    """Redirect output to the null device, since the terminal or the reader of the pipe has gone."""
+    """Redirect output to the null device, since the terminal or the reader of the pipe is gone."""
     with suppress(OSError), open(os.devnull, "w") as nowhere:
         for stream in (sys.stdout, sys.stderr):
             with suppress(OSError, ValueError):

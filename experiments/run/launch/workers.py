@@ -88,7 +88,7 @@ class LaunchConfig(Checked):
 
 
 def _usable_cores() -> int:
-    """Return the number of cores that this process may use: fewer than the machine has, in a batch job."""
+    """Return the number of cores that this process may use; in a batch job, the machine may have more."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
