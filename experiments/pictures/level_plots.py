@@ -53,8 +53,8 @@ def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.n
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x periods: the density of the starting positions of both teams, or of a painter's points.
 
-    To the right, for the first choices among `draws`, bars show the share of each option in the adversary's proposals,
-    and lines show the program's weights.
+    Bar charts on the right show the first choices among `draws`: bars are the shares of options in the adversary's
+    proposals, lines are the program's weights.
     """
     import matplotlib.pyplot as plt
 

@@ -41,7 +41,7 @@ BASELINES = {
 METHOD_COLORS = {name: row.color for name, row in METHODS.items()} | {k: color for k, (_, color) in BASELINES.items()}
 OTHER_COLOR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
-CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of other things than methods
+CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of things other than methods
 MARKERS = {  # of methods' curves
     "dr": "o",
     "paired": "s",
@@ -238,7 +238,7 @@ def fitting(inches: float) -> int:
 
 
 def rate_axis(axes: Axes) -> None:
-    """Set the vertical axis of rates to 0 to 1, with labels in percent."""
+    """Set the limits of the vertical axis of rates to [0, 1], with labels in percent."""
     from matplotlib.ticker import PercentFormatter
 
     axes.set_ylim(0, 1)

@@ -1,8 +1,8 @@
 """The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
-fields are plain flags (`--learning-rate`), otherwise its name precedes them (`--paired.dr-fraction`). Only
-given flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
+fields are plain flags (`--learning-rate`), otherwise its name precedes them (`--paired.dr-fraction`). Only given
+flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
 with topics have their own pages, `--help TOPIC`. Read next: `run.config`.
 """
 
@@ -134,8 +134,8 @@ def flag_name(name: str, prefix: str = "") -> str:
 class _Place(NamedTuple):
     """Position in nested configurations.
 
-    It consists of the path of fields, the prefix of flags, the same part of alternative configurations, the fields
-    without a flag, and the help topics.
+    `path` is that of the fields, `prefix` that of the flags. `others` is the same part of alternative configurations,
+    `without` lists fields without a flag, and `topics` are help topics.
     """
 
     path: str

@@ -325,7 +325,7 @@ ROW_NAME = r"[A-Za-z0-9._+-]{1,60}"  # of a variant, as part of a folder name
 EVALUATED_ALONE = "it can be evaluated, but not resumed or compared"
 # Files that a folder may hold before training, and settings that may change on resume
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
-COUNTERS = ("update", "env_steps", "elapsed")  # integers in a checkpoint
+COUNTERS = ("update", "env_steps", "elapsed")  # numbers in a checkpoint
 LARGEST = 10**15  # upper limit of each counter
 MAY_CHANGE = (
     *("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device"),
