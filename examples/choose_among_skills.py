@@ -17,7 +17,7 @@ from ued import PLR, PLRConfig, PPOConfig
 from ued.adapters.mixture import Mixture
 
 SKILLS = ("1v1Restricted", "1v1Free", "ChoosePassing")
-EVERY = 10  # updates between two lines
+EVERY = 10  # updates between printed lines
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--env-steps", type=int, default=300_000)

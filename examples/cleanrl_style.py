@@ -33,9 +33,9 @@ curriculum = PLRCurriculum(envs, PLRConfig(score="max_mc", buffer=BufferConfig(c
 actor, critic = (nn.Sequential(nn.Linear(4, 64), nn.Tanh(), nn.Linear(64, k)) for k in (2, 1))
 optimizer = torch.optim.Adam([*actor.parameters(), *critic.parameters()], 2.5e-3)
 
-records = curriculum.propose(N)  # (1) levels to begin with
+records = curriculum.propose(N)  # (1) the first levels
 obs, _ = envs.reset_to_levels(records["level"])
-visits = 0  # of levels: each visit of a level has its own random seed
+visits = 0  # count of resets, since each visit of a level has its own random seed
 steps, total_return, total_value, returns = np.zeros(N), np.zeros(N), np.zeros(N), []
 for update in range(1, updates + 1):
     data = {name: torch.zeros(T, N) for name in ("action", "log_prob", "value", "reward", "done", "train")}

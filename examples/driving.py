@@ -1,6 +1,6 @@
 """A Scenic 3 program as a task for any method: follow a car that will brake, and stop behind it.
 
-    regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # what is random in it
+    regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # its random parameters
     regista train examples/driving.py:driving --method plr --num-envs 4
     regista train examples/driving.py:driving --method paired --num-envs 4
 
@@ -26,7 +26,7 @@ class Driver(Role):
 
     observation_space = Box(-np.inf, np.inf, (3,), np.float32)
     action_space = Discrete(len(PEDALS))
-    max_steps = 150  # of 0.1 s
+    max_steps = 150  # steps of 0.1 s
 
     def observe(self, simulation):
         ego, lead = simulation.objects

@@ -16,7 +16,7 @@ from gymnasium.spaces import Box, Discrete
 import ued
 
 SIDE = 9
-LONGEST = 50  # steps
+LONGEST = 50  # maximum number of steps
 MOST_WALLS = 30
 MOVES = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])  # up, down, left, right
 

@@ -16,11 +16,11 @@ import gymnasium
 
 import ued
 
-SCENARIOS = 1000  # placements of the other cars
+SCENARIOS = 1000  # number of placements of the other cars
 
 
 class Arrival(gymnasium.Wrapper):
-    """Reports success if the car arrives, whatever its return; `reset` drops `options`, which MetaDrive rejects."""
+    """Reports success if the car arrives, for any return; `reset` drops `options`, which MetaDrive rejects."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         return self.env.reset(seed=seed)

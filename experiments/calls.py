@@ -61,7 +61,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     with run.removed_if_refused(), run.locked(), StopRequest() as stop:
         train_run(run, stop)
     with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
-        curves.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
+        curves.learning_curves({method: [path]}, run.picture)  # written last: it marks the run as finished
     return path
 
 
@@ -74,15 +74,15 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
-    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row. With
-    `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
+    A folder of runs, such as the output of `regista compare`, adds all of its runs. Runs of one method share a row.
+    With `levels` > 0, the report includes the success rate on the worst tenth of random levels.
 
     Args:
         runs: a run folder, a folder of runs, or several of either.
-        episodes: on each test scene, for each run; the command `regista evaluate` plays 500 by default.
-        levels: random levels; 0: none; the command plays 200 by default.
-        level_episodes: on each of them.
-        trusted: whether a Python task that only the run folder names may be imported, which executes its file.
+        episodes: number of episodes per run and test scene; the command `regista evaluate` plays 500 by default.
+        levels: number of random levels; 0: none; the command plays 200 by default.
+        level_episodes: number of episodes on each random level.
+        trusted: whether to import a Python task that only the run folder names; the import executes the task's file.
 
     Returns:
         tables of returns and successes with 95% intervals; `text()` prints them.
@@ -90,7 +90,7 @@ def evaluate(
     Raises:
         CommandError: runs of several tasks, runs without a checkpoint, or a task that only the run folder names, unless
             `trusted`.
-        UsageError: without runs.
+        UsageError: no runs.
         ValueError: numbers that are too small.
     """
     from regista.experiments.commands.evaluate import check_levels
@@ -104,7 +104,7 @@ def evaluate(
 
 
 def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[RunFolder]:
-    """Return the runs to evaluate, of one game, whose code may run if they are `trusted`."""
+    """Return the runs to evaluate, all of one game; with `trusted`, allow their code to run."""
     paths = [runs] if isinstance(runs, str) or not isinstance(runs, Iterable) else runs
     folders = open_runs([as_path("a run", path) for path in paths])
     if not folders:
@@ -125,19 +125,20 @@ def compare(
     levels: int = 200,
     **settings: Any,
 ) -> ComparisonData:
-    """Train each method over seeds, evaluate all runs, and return their tables; finished runs are kept.
+    """Train each method with several seeds, evaluate all runs, and return their tables; finished runs are reused.
 
     Args:
         task: as for `train`.
         methods: a name of `ued.METHODS`, or several; differences are relative to the first.
         seeds: number of runs of each method, or their seeds, such as `range(1000, 1005)`.
         out: the folder, by default runs/compare-TASK.
-        episodes, levels: on each test scene, and random ones for the success rate on the worst tenth.
-        settings: as for `train`, of all runs.
+        episodes: number of episodes on each test scene.
+        levels: number of random levels, for the success rate on the worst tenth.
+        settings: as for `train`; they apply to all runs.
 
-    Runs train in parallel, one per core, in processes that import the file of the task: where that file itself calls
-    `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
-    `regista compare` are written. Ctrl-C saves and returns the runs so far.
+    Runs train in parallel, one per core. Their processes import the task's file, so a call of `compare` in that file
+    belongs below `if __name__ == "__main__":`. The function prints progress and tables, and writes the files of
+    `regista compare`. Ctrl-C saves and returns the runs so far.
 
     Raises:
         UsageError: unknown names.
@@ -152,7 +153,7 @@ def compare(
     config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, names)), episodes=episodes)
     config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=base)
     config = config if out is None else replace(config, out=as_path("out", out))
-    command.run(config, game, most=1)  # processes that evaluate would import the caller's script
+    command.run(config, game, most=1)  # evaluation in other processes would import the caller's script
     return load_comparison(command.folder_of(config, game))
 
 
@@ -168,8 +169,8 @@ class Inspection:
     """The parameters of a task and some of its levels.
 
     Attributes:
-        name: of the task.
-        parameters: one for each column of θ: its name, kind and range.
+        name: name of the task.
+        parameters: name, kind and range of each column of θ.
         theta: random valid levels `[n, D]`, in [-1, 1].
         values: the values of each level, by name.
         text: the output of `regista inspect`.
@@ -193,7 +194,7 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
         n, seed: number of random levels, and their seed.
 
     Returns:
-        what `regista inspect` prints, as text and as data.
+        the output of `regista inspect`, as text and as data.
 
     Raises:
         UsageError: an unknown name.
@@ -236,10 +237,10 @@ def _game(task: Any) -> Any:
 
 
 def _start(game: Any, settings: Mapping[str, Any], arguments: Sequence[str]) -> Any:
-    """Return the default settings of a game with these replaced; allow the user code that they name to run.
+    """Return the default settings of a game with these replaced; allow the user code in `settings` to run.
 
-    `arguments` are those of the call, which sets task, method and seed itself. Raises `UsageError` for an unknown
-    setting, `ValueError` for an invalid value.
+    `arguments` are the names of the call's other arguments, for suggestions. The call sets task, method and seed.
+    Raises `UsageError` for an unknown setting, `ValueError` for an invalid value.
     """
     config = game.start("fast")
     known = [key for key in vars(config) if key not in ("minigame", "method", "seed")]

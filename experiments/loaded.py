@@ -37,7 +37,7 @@ class RunData:
     Attributes:
         path: the run folder.
         config: all settings, such as `config.method` and `config.ppo.learning_rate`.
-        name: the row of the run in tables: its method, or the name of its variant.
+        name: the label of the run in tables: its method, or the name of its variant.
     """
 
     path: Path
@@ -45,11 +45,11 @@ class RunData:
     name: str
 
     def __repr__(self) -> str:
-        """Return folder, name and seed; the settings are long."""
+        """Return folder, name and seed, without the long settings."""
         return f"RunData({str(self.path)!r}, {self.name}, seed {self.config.seed})"
 
     def columns(self, table: str = "metrics") -> dict[str, np.ndarray]:
-        """Return a table by column, without pandas.
+        """Return the columns of a table as arrays; pandas is not required.
 
         Args:
             table: `metrics` or `levels`.
@@ -59,7 +59,7 @@ class RunData:
             without rows is empty.
 
         Raises:
-            UsageError: another name of a table.
+            UsageError: an unknown table name.
             CommandError: a damaged table.
         """
         from ued.levels.table import read_levels
@@ -84,7 +84,7 @@ class RunData:
         return _pandas().DataFrame(self.columns("metrics"))
 
     def levels(self) -> DataFrame:
-        """Return the table of levels, one row per playing of a level.
+        """Return the table of levels, one row per visit of a level.
 
         Raises:
             CommandError: without pandas.
@@ -92,7 +92,7 @@ class RunData:
         return _pandas().DataFrame(self.columns("levels"))
 
     def events(self) -> DataFrame:
-        """Return events.csv, one row per warning; empty without one.
+        """Return events.csv, one row per warning; empty without warnings.
 
         Raises:
             CommandError: without pandas.
@@ -117,7 +117,7 @@ class ComparisonData:
 
     Attributes:
         path: the folder.
-        runs: all runs that have a checkpoint, by method and seed; methods in the order in which they were compared.
+        runs: all runs that have a checkpoint, by method and seed; methods in the order of the comparison.
     """
 
     path: Path
@@ -196,7 +196,7 @@ def load_run(path: str | Path) -> RunData:
     """Return the settings and tables of a run folder.
 
     Raises:
-        ValueError: another type than a path.
+        ValueError: the argument is not a path.
         CommandError: a folder without a run.
     """
     run = RunFolder.open(as_path("path", path))
@@ -207,8 +207,8 @@ def load_comparison(path: str | Path) -> ComparisonData:
     """Return the runs and tables in the folder of `regista compare`, or in another folder of runs.
 
     Raises:
-        ValueError: another type than a path.
-        CommandError: a folder without runs, or whose runs have no checkpoint yet.
+        ValueError: the argument is not a path.
+        CommandError: no runs in the folder, or no run with a checkpoint.
     """
     folder = as_path("path", path)
     runs = open_runs([folder])

@@ -1,4 +1,4 @@
-"""Minigames and mazes as environments: importing this registers Gymnasium ids; `parallel_env` makes PettingZoo's.
+"""Minigames and mazes as environments of Gymnasium (ids registered on import) and PettingZoo (`parallel_env`).
 
 Ids of minigames end in the version of the simulator. For an older version, Gymnasium reports that it is deprecated and
 names the current id. Read next: `suites`, the games that are registered; `envs.maze.gym_env`, mazes.

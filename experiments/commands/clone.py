@@ -108,7 +108,7 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
     asked = configs.to_dict(replace(config, out=None))
-    del asked["format"]  # of the picture alone
+    del asked["format"]  # a setting of the picture only
     run = _open(path, training, asked)
     return method, run, game.source(training)
 
@@ -172,7 +172,7 @@ def clone(
 
 
 def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict[str, float]:
-    """Return the table row of an epoch; its number is in column `update`, as tables are cut back by that column."""
+    """Return the table row of an epoch; the epoch is in column `update`, by which tables are cut back."""
     return {
         "update": cloner.epoch,
         "loss": losses["loss"],
@@ -187,7 +187,7 @@ def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict
 def _restore(run: RunFolder, cloner: Cloner, data: CloningData) -> tuple[bool, float]:
     """Restore the last saved epoch, if any; return whether training continues, and the seconds spent so far.
 
-    Raises `CommandError` if episodes were added since: some of those learned from would now be held out.
+    Raises `CommandError` if episodes were added since: some former training episodes would now be held out.
     """
     from ued.core import checkpoint
 

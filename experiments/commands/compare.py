@@ -98,7 +98,7 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     folder, seeds = folder_of(config, game), range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
     runs = prepare(folder, rows, seeds, config.from_, config.fine_tuning)
-    # This compiles the kernels, which must happen before several processes start.
+    # This compiles the kernels once, before several processes start.
     scenes = EvalScenes(runs[0].config, game, config.episodes, config.held_out)
     with StopRequest() as stop:
         trained = train_unfinished(runs, config.launch, stop)
@@ -106,7 +106,7 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
         return stop.exit_code
     amount = f"{counted(len(runs), 'run')} and baselines on {counted(len(scenes.scenes), 'scene')}"
     print(f"evaluating {amount}, {counted(config.episodes, 'episode')} each")
-    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has its own processes
+    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # Ray and GRF have their own processes
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
     parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)

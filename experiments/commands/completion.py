@@ -4,7 +4,7 @@
     eval "$(regista completion zsh)"              # in ~/.zshrc, after compinit
     regista completion fish | source              # in ~/.config/fish/config.fish
 
-The script contains all words, so that a shell never waits for Python. Read next: `run.arguments`, the flags.
+The script contains all words, so completion does not start Python. Read next: `run.arguments`, the flags.
 """
 
 from __future__ import annotations
@@ -67,8 +67,13 @@ class CompletionConfig(Checked):
 
 
 class Words(NamedTuple):
-    """Completions of a command: its flags, the known values of flags, flags that take several, and flags that take
-    other values too, such as a file, which the shell completes.
+    """Completions of a command.
+
+    Attributes:
+        flags: all flags of the command.
+        values: known values by flag.
+        several: flags that take several values.
+        open: flags that also take other values, such as a file, which the shell completes.
     """
 
     flags: list[str]

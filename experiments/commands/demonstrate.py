@@ -70,7 +70,7 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run has its training settings")
     check_installed()
     config, program, student, env_steps = _policy_of(typed)
-    # before the folder, so that an error leaves no folder
+    # before the folder, so an error leaves no folder
     env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
     out = typed.out or Path("demos") / stem
@@ -87,8 +87,9 @@ def main(argv: Sequence[str]) -> int:
 def _policy_of(
     typed: DemonstrateConfig,
 ) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None, int | None]:
-    """Return the settings of the folder and the program; for a student, a function that makes its policy by seed, and
-    the env_steps of its training.
+    """Return the settings of the folder, the program, and two values for a student (otherwise None).
+
+    These are a function that makes the student's policy from a seed, and the env_steps of its training.
     """
     from regista.envs.football.config import FootballConfig
 

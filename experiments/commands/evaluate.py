@@ -32,7 +32,7 @@ from ued.config import Checked, most_threads, setting
 
 EPISODES, LEVELS = 500, 200  # defaults in our simulator
 GRF_MINUTES = 5.0  # default in GRF
-ROUND = 8  # episodes on each scene in one round of a timed evaluation
+ROUND = 8  # episodes per scene and round of a timed evaluation
 MOST_PLAYED = 100_000_000  # upper limit of episodes on random levels
 GALLERY_ALONE = {"gallery_levels", "gallery_replays"}
 OF_GALLERY = {"runs", "gallery", *GALLERY_ALONE}

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 DESCRIPTION = "Show a program: its free parameters θ, its objects, its acceptance rate and scenes."
 DRAWS = 4096  # samples for the acceptance rate
 INDENT = "  "
-MOST_DRAWN = 100  # scenes in a picture; a picture of more is too large for its file
+MOST_DRAWN = 100  # scenes in a picture; more scenes would make the picture too large for its file
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ def inspect_scenic3(path: Path, config: InspectConfig) -> int:
         program: Any = ScenicProgram(path, read_params(reading.param), reading.scenario, reading.model, config.mode_2d)
     except ImportError as error:
         raise CommandError(str(error)) from error
-    except Exception as error:  # a program is Python
+    except Exception as error:  # a program can run any Python code
         raise CommandError(f"{path}: Scenic rejects it: {type(error).__name__}: {error}") from error
     if config.show == "scenes":
         print(render_scenes(program, choose_theta(program, config)))

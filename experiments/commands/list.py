@@ -124,12 +124,12 @@ def _containing(word: str, names: Sequence[str]) -> list[str]:
     return [name for name in names if word.lower() in name.lower()]
 
 
-# ---------------------------------------------------------------- all of them
+# ---------------------------------------------------------------- all games
 
 
 HEAD = ["minigame", "players", "D", "D test", "one agent", "team", "PPO", "on test", "team PPO", "what"]
-NARROW = ["minigame", "players", "D", "what"]  # columns for a terminal that is too narrow for all
-SHORTEST = 20  # characters that are left for the last column
+NARROW = ["minigame", "players", "D", "what"]  # columns in a narrow terminal
+SHORTEST = 20  # characters, minimum width of a text or of the last column
 
 
 def line(game: Minigame) -> list[str]:
@@ -148,7 +148,7 @@ def line(game: Minigame) -> list[str]:
 
 
 def table(rows: list[list[str]], width: int) -> str:
-    """Return the table of minigames; if it is wider than `width`, its most important columns."""
+    """Return the table of minigames; if it is wider than `width`, only the most important columns."""
     whole = align(rows)
     if _width(whole) <= width:
         return whole
@@ -161,7 +161,7 @@ def table(rows: list[list[str]], width: int) -> str:
 
 
 def fill(text: str) -> str:
-    """Return a text in lines that fit the terminal."""
+    """Wrap a text at the width of the terminal."""
     width = max(shutil.get_terminal_size().columns, SHORTEST)
     return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
 
@@ -171,7 +171,7 @@ def _width(text: str) -> int:
 
 
 def shortened(text: str, width: int) -> str:
-    """Return the beginning of a text, at whole words, if it is longer than `width`."""
+    """Shorten a text to `width` characters at a word boundary."""
     return textwrap.shorten(text, width, placeholder=" …")
 
 
@@ -198,7 +198,7 @@ def policy_table(names: Sequence[str]) -> str:
     return f"{rows}\n\n{fill(use)}"
 
 
-# ---------------------------------------------------------------- one of them
+# ---------------------------------------------------------------- one game
 
 
 def card(game: Minigame) -> str:

@@ -114,7 +114,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _game_of_player(player: str) -> str:
-    """Return the game of the run that plays. Raises `UsageError` if the player is neither a run nor shipped."""
+    """Return the game of a player's run. Raises `UsageError` if the player is neither a run nor a shipped policy."""
     if player in SCRIPTED or not located(player).is_dir():
         missing = "" if player in SCRIPTED else f"there is no folder {player}; "
         raise UsageError(
@@ -127,9 +127,9 @@ def _game_of_player(player: str) -> str:
 
 
 def _check_program(name: str) -> None:
-    """Raise `UsageError` if a name is that of no game or program; it may be that of a run."""
+    """Raise `UsageError` unless a name is that of a game or program; for a run, the message suggests --player."""
     meant = f"{name} is a run, not a game; add --player: regista play --player {name}"
-    if is_shipped(name):  # which looks like a task, module:name
+    if is_shipped(name):  # `shipped:NAME` looks like a task, module:name
         raise UsageError(meant)
     try:
         build.find_game(name)
@@ -194,7 +194,7 @@ def _scene(minigame: Minigame, name: str) -> Path:
 
 
 def _match_settings(config: PlayConfig, student: MatchStudent | None) -> Any:
-    """Return the settings of matches: those of the student's training, or raw observations for a scripted player."""
+    """Return the settings of matches: the student's training settings, or raw observations for a scripted player."""
     from regista.envs.football.config import FootballConfig
 
     try:
@@ -223,7 +223,7 @@ def _play_stage(config: PlayConfig) -> int:
 
 
 def _is_football(path: Path) -> bool:
-    """Return whether a run is on a game of football; its matches may be a Python task."""
+    """Return whether a run is on football; this includes Python tasks whose environments are matches."""
     from regista.experiments.run.folder import RunFolder
 
     return RunFolder.open(path).config.engine is not None
@@ -290,7 +290,7 @@ class Tally:
 
 
 def play_matches(config: PlayConfig, env: Any, actor: Actor, again: Callable[[int], Any]) -> int:
-    """Play the matches, of which the first has been reset; print results, and write the requested video and record.
+    """Play the matches, the first from its current state; print results, and write the requested video and record.
 
     `again(episode)` resets the match for the episodes 1, 2, ...
     """
@@ -311,7 +311,7 @@ def play_matches(config: PlayConfig, env: Any, actor: Actor, again: Callable[[in
 
 
 def _play_match(config: PlayConfig, env: Any, actor: Actor, episode: int, tally: Tally) -> Iterator[Any]:
-    """Play a match from its start and return its moments one by one; print the result, and write the record."""
+    """Play a match from its start and yield its moments; print the result, and write the record."""
     from regista.envs.football.gym_env import ENDINGS
     from regista.envs.football.replay import Recorder
     from ued.core.upomdp import successes
@@ -355,7 +355,7 @@ def _play_task(config: PlayConfig, stage: LevelStage) -> int:
 
 
 def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Tally) -> Iterator[np.ndarray]:
-    """Play the episodes of a task, print their results, and return their frames one by one, all of one size."""
+    """Play the episodes of a task, print their results, and yield their frames, all of one size."""
     first: np.ndarray | None = None
     for episode in range(config.episodes):
         if episode and config.level is None:
@@ -398,7 +398,7 @@ def check_film_of(path: Path | None) -> None:
 
 
 def film(path: Path, moments: Iterable[Any], speed: float) -> None:
-    """Draw moments of a match and write them as a video; call `check_film_of` first."""
+    """Write the moments of a match as a video; call `check_film_of` first."""
     from regista.envs.football.view.picture import draw_match, write_video
 
     write_video(path, (draw_match(moment) for moment in moments), speed)

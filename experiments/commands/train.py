@@ -93,10 +93,10 @@ def main(argv: Sequence[str]) -> int:
 
 
 def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
-    """Train until the budget is spent or a stop is requested; return the env_steps done.
+    """Train until the budget is spent or a stop is requested; return the completed env_steps.
 
     `connect` is the address of a Rerun viewer that shows the recording live.
-    Before the first update there is nothing to save, and a signal ends the process at once.
+    Before training starts there is nothing to save, so a signal ends the process at once.
     """
     from regista.experiments.run.evaluator import EvalScenes
 
@@ -121,7 +121,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
-            run.save_config()  # after the first update is written, so that a run that fails earlier stays unchanged
+            run.save_config()  # after the first update, so a run that fails earlier stays unchanged
             if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
@@ -288,7 +288,7 @@ def _resume(typed: dict[str, Any]) -> RunFolder:
 
 
 def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:
-    """Give a run the new settings; those that would change its results are refused."""
+    """Apply new settings to a run; reject those that would change its results."""
     for name in ("out", "preset", "from_", "config_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
             flag = arguments.flag_name(name.partition(".")[2] or name)

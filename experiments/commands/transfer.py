@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from regista.experiments.transfer.replaying import Result
 
 DESCRIPTION = "Play runs, sampled and greedy, on the same levels in our simulator and in Google Research Football."
-GRF_EPISODES = 200  # default, as far as --minutes allow
+GRF_EPISODES = 200  # default, limited by --minutes
 SAVED = "transfer.json"  # in the run folder
 
 

@@ -24,7 +24,7 @@ class CloningData:
     """The steps of all saved episodes. `validation` is the held-out share of episodes, sampled with `seed`.
 
     Attributes:
-        opponents: whether agents are opponents, each with its own returns; see `UPOMDP.individual_rewards`.
+        opponents: whether agents are opponents with individual returns; see `UPOMDP.individual_rewards`.
 
     Raises `CommandError` for a folder with missing or damaged files, or with fewer than two episodes.
     """
@@ -46,11 +46,11 @@ class CloningData:
         self.is_held_out = np.isin(np.arange(self.episodes), order[:held_out])
         self._parts = _parts_of(summaries, self.episodes)
         self._groups = self._grouped(summaries)
-        self._whole: dict[bool, Demonstrated] = {}  # cache of demonstrations that fit into memory, by whether held out
+        self._whole: dict[bool, Demonstrated] = {}  # cached demonstrations that fit into memory; key: whether held out
 
     @property
     def observation_shape(self) -> tuple[int, ...]:
-        """The shape of one observation, of all agents together."""
+        """The shape of one observation, including all agents."""
         return self._shapes[0]
 
     @property
@@ -124,7 +124,7 @@ class CloningData:
 
 
 def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:
-    """Return for each part the numbers of its saved episodes, among the first ones up to a limit."""
+    """Return the numbers of saved episodes of each part, among the first `episodes` ones."""
     parts, first = [], 0
     for summary in summaries:
         after = first + int(summary.kept.sum())

@@ -1,4 +1,4 @@
-"""The folder of `regista demonstrate`: episodes in parts, each complete or absent, and a Minari dataset of them.
+"""The folder of `regista demonstrate`: parts of episodes, each complete or absent, and their Minari dataset.
 
     demonstrations.json     the `DemonstrationsConfig`; `about`: the version of the simulator,
                             and the env_steps of the student's training
@@ -8,8 +8,8 @@
     data/main_data.hdf5     the Minari dataset, which links to the parts; with data/metadata.json
     episodes.csv            one row per played episode: θ, seed, return, length, and its number if it was saved
 
-A part is written to a temporary file, synced and renamed, the record first, so a part with data is complete. Read next:
-`imitation.demonstrator`, which plays the episodes.
+Files of a part are written to a temporary file, synced and renamed, the record first, so a part with data is complete.
+Read next: `imitation.demonstrator`, which plays the episodes.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 EXTRA = "pip install 'regista[demonstrations]'"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are mostly zeros
-TRAINED = "env_steps"  # key of the length of the student's training, in `about`
-SMALL = 8192  # bytes, below which arrays are not compressed
+TRAINED = "env_steps"  # key in `about`: env_steps of the student's training
+SMALL = 8192  # bytes; smaller arrays are not compressed
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Summary(NamedTuple):
 
 
 class Demonstrations:
-    """One folder on disk."""
+    """One folder of demonstrations on disk."""
 
     def __init__(self, path: Path, config: DemonstrationsConfig) -> None:
         self.path, self.config = path, config
@@ -99,15 +99,15 @@ class Demonstrations:
     ) -> Demonstrations:
         """Create a folder, or continue one that has the same settings and program.
 
-        `env_steps` are those of the student's training, None for a program. Raises `CommandError` for a folder that
-        differs in one of these.
+        `env_steps` is the length of the student's training, None for a program. Raises `CommandError` for a folder
+        that differs in one of these.
         """
         if (path / "demonstrations.json").exists():
             found = cls.open(path)
             versions.check_present(found.simulator, f"{path} was recorded on", "nothing can be added to it")
             for name, (old, new) in configs.differences(found.config, config).items():
                 raise CommandError(f"{path} was made with {name} = {old}; it cannot continue with {new}")
-            before = configs.about(path / "demonstrations.json").get(TRAINED, env_steps)  # older folders lack it
+            before = configs.about(path / "demonstrations.json").get(TRAINED, env_steps)  # missing in older folders
             if before != env_steps:
                 raise CommandError(
                     f"{path} holds episodes of {config.source} at {before} env_steps, which now has {env_steps}; "
@@ -166,7 +166,7 @@ class Demonstrations:
 
     @contextmanager
     def reading(self, number: int) -> Iterator[Any]:
-        """Open the data of a part. Raises `CommandError` for a damaged file, also when it is read later."""
+        """Open the data of a part. Raises `CommandError` for a damaged file, also during later reads."""
         path = self.part_path(number)
         try:
             with _h5py().File(path, "r") as file:
@@ -201,7 +201,7 @@ class Demonstrations:
             raise cannot_write(self.path, error) from error
         return summary
 
-    # ------------------------------------------------------------ the data set
+    # ------------------------------------------------------------ the dataset
 
     def finish(self, names: list[str], spaces: tuple[Space, Space], settings: dict[str, Any], episodes: int) -> None:
         """Write the files over all parts: the Minari dataset of the first `episodes` saved episodes, and the table.

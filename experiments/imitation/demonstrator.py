@@ -28,8 +28,8 @@ class Episode:
     Attributes:
         observations: `[T + 1, ...]`, the last one after the last step.
         actions: `[T]` or `[T, A]`, in [0, 19).
-        mask: bool, like `actions`: whether the behavior matches one of the 19 actions; if not, the action is 0.
-        rewards: `[T]`, and `agent_rewards` `[T, A]`.
+        mask: bool, shape of `actions`: whether the behavior matches one of the 19 actions; if not, the action is 0.
+        rewards: `[T]`; `agent_rewards`: `[T, A]`.
         terminated: whether it ended by an event rather than the time limit.
     """
 
@@ -43,7 +43,7 @@ class Episode:
 
 @dataclass(frozen=True)
 class Part:
-    """The N episodes of one part: levels, returns, success (0 or 1), lengths `[N]`, and the record of all of them."""
+    """The N episodes of one part: levels, returns, success (0 or 1) and lengths `[N]`, and their record."""
 
     levels: np.ndarray
     returns: np.ndarray
@@ -86,7 +86,7 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
         running &= ~over
     env.idle[:] = False
     done = np.array(steps.actions).reshape(len(steps.actions), *shape)
-    done = done if env.scripted else np.maximum(done, 0)  # matches that were not stepped
+    done = done if env.scripted else np.maximum(done, 0)  # idle for matches that were not stepped
     program = env.program
     folder = program.mode.state.root
     file = "" if folder is None else str((folder / program.file).resolve())
@@ -99,7 +99,7 @@ class _Steps:
     """Observations and actions of all matches, step by step."""
 
     def __init__(self, agents: int, planes: bool) -> None:
-        self.actions: list[np.ndarray] = []  # [N, A], NO_ACTION if the behavior is none of the 19 actions
+        self.actions: list[np.ndarray] = []  # [N, A], NO_ACTION if the behavior matches none of the 19 actions
         self._planes, self._agents = planes, agents
         self._seen: list[np.ndarray] = []
         self._rewards: list[np.ndarray] = []
@@ -150,7 +150,7 @@ class _Steps:
 def parts(env: FootballVectorEnv, choose: Callable[[int], Choose] | None, seed: int, first: int) -> Iterator[Part]:
     """Play parts in order, starting with number `first`; each has its own levels, seeds and generator.
 
-    So part p is the same whether or not earlier parts were played in the same process.
+    So part p does not depend on whether earlier parts were played in the same process.
     """
     number = first
     while True:

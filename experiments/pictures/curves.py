@@ -1,4 +1,4 @@
-"""Learning curves: returns on test scenes and properties of training levels, over simulated steps.
+"""Learning curves: returns on test scenes and properties of training levels, over environment steps.
 
 Read next: `pictures.plots`, the style of all pictures; `pictures.keys`, legends.
 """
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WINDOW = 0.04  # window of the running mean, relative to the curve's length
-FEW = 15  # values of a run, below which each has a marker: lines would suggest more
-APART = 0.01  # least distance between markers, relative to the curve: runs are evaluated at slightly different steps
-EPISODES = 20  # least number of finished episodes behind a value on training levels
+FEW = 15  # with fewer values per run, each value has a marker, since a line alone suggests more data
+APART = 0.01  # minimum distance between markers, relative to the curve: runs are evaluated at slightly different steps
+EPISODES = 20  # minimum number of finished episodes per plotted value on training levels
 
 
 class Curve(NamedTuple):
@@ -36,7 +36,7 @@ class Curve(NamedTuple):
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Write `learning_figure` to a file; none without a finished update."""
+    """Write `learning_figure` to a file; write nothing without a finished update."""
     with plots.style():
         figure = learning_figure(runs)
         if figure is not None:
@@ -46,9 +46,8 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
 def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
     """Draw the return on every test scene, and return, success, regret and spread of θ on the training levels.
 
-    `runs` gives the run folders of each method. Curves are over env_steps; where no level was finished, a line joins
-    the updates before and after.
-    Returns None without a finished update. The figure belongs to no window of pyplot.
+    `runs` gives the run folders of each method. Curves are over env_steps; a line bridges updates without finished
+    levels. Returns None without a finished update. The figure is not registered with pyplot.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -127,9 +126,9 @@ def _is_column(column: str, name: str) -> bool:
 
 
 def _episodes_of(column: str) -> str | None:
-    """Return the column with the number of episodes behind each value; None for test scenes and θ.
+    """Return the column with the number of episodes per value; None for test scenes and θ.
 
-    Of levels, it is the number of those that all students have finished: at least one episode each.
+    For success and regret, it is the number of levels that all students have finished, a lower bound on episodes.
     """
     if column.startswith("return/"):
         return column.replace("return/", "episodes/", 1)
@@ -143,7 +142,7 @@ def _scene_heading(scene: str) -> str:
 def read_curve(runs: Sequence[Path], column: str, points: int = 200, weights: str | None = None) -> Curve | None:
     """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it.
 
-    `weights`: column with the number of episodes behind each value, if any; see `pooled`.
+    `weights`: column with the number of episodes per value, if any; see `pooled`.
     """
     curves = []
     for run in runs:
@@ -163,10 +162,10 @@ def read_curve(runs: Sequence[Path], column: str, points: int = 200, weights: st
 
 
 def pooled(x: np.ndarray, y: np.ndarray, episodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return values `y` at `x` `[N]`, neighbors pooled until EPISODES episodes are behind each: `[M]`, `[M]`.
+    """Pool neighboring values `y` at `x` `[N]` until each pool has EPISODES episodes; return steps and means `[M]`.
 
-    A pooled value is the mean over episodes, at the last of its steps; the last one has the rest, too. The first
-    updates of a run finish few episodes, the shortest ones, whose mean tells little.
+    A pooled value is the mean over episodes, at the last step of its pool; the last pool includes the remainder. The
+    first updates of a run finish only few and short episodes, so their means are unreliable.
     """
     count = np.nan_to_num(episodes)
     ends, behind = [], 0.0
@@ -175,7 +174,7 @@ def pooled(x: np.ndarray, y: np.ndarray, episodes: np.ndarray) -> tuple[np.ndarr
         if behind >= EPISODES:
             ends.append(index)
             behind = 0.0
-    ends = [*ends[:-1], len(x) - 1]  # the rest of the last pool
+    ends = [*ends[:-1], len(x) - 1]  # the last pool includes the remainder
     begins = np.array([0, *(end + 1 for end in ends[:-1])])
     total = np.add.reduceat(count, begins)
     mean = np.add.reduceat(count * y, begins) / np.maximum(total, 1e-9)
@@ -183,9 +182,9 @@ def pooled(x: np.ndarray, y: np.ndarray, episodes: np.ndarray) -> tuple[np.ndarr
 
 
 def _on_axis(steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return a run's values `y` at `x` on the common axis `[X]`: NaN before the first and after the last one."""
+    """Interpolate a run's values `y` at `x` onto the axis `[X]`: NaN before the first and after the last value."""
     values = np.interp(steps, x, y, left=np.nan, right=np.nan)
-    if not np.isfinite(values).any():  # all of them lie between two points of the axis
+    if not np.isfinite(values).any():  # all values lie between two points of the axis
         values[np.abs(steps - x[-1]).argmin()] = y[-1]
     return values
 
@@ -203,7 +202,7 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None, 
         axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45, marker=_mark_of(steps, row), markersize=2.5)
-    of_all = np.isfinite(values).all(0)  # a shorter run ends the mean: it would jump to that of the others
+    of_all = np.isfinite(values).all(0)  # the mean ends with the shortest run: beyond it, the mean would jump
     steps, mean = steps[of_all], values[:, of_all].mean(0)
     look = plots.curve_look(method, among)
     if curve.few or _mark_of(steps, mean):
@@ -212,12 +211,12 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None, 
 
 
 def _mark_of(steps: np.ndarray, values: np.ndarray) -> str:
-    """Return the marker of a curve: a dot where it is a single point, which no line shows."""
+    """Return the marker of a curve: a dot for a single point, since a line would not show it."""
     return "o" if len(np.unique(steps[np.isfinite(values)])) == 1 else ""
 
 
 def _marked(steps: np.ndarray) -> list[int]:
-    """Return the indices of the steps that have a marker: those of several runs that lie close together share one."""
+    """Return the indices of steps with a marker; close steps of several runs share one marker."""
     found: list[int] = []
     for index, step in enumerate(steps):
         if not found or step - steps[found[-1]] > APART * (steps[-1] - steps[0]):

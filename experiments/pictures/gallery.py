@@ -39,7 +39,7 @@ PLAIN = ("update", "id", "visit", "parent", "seed", "episodes")
 
 @dataclass(frozen=True)
 class Made:
-    """Counts of a page: `levels` shown of those `played`, `replays` with replays; `otherwise`: replays that differ."""
+    """Counts of a page: `levels` shown, levels `played`, levels with `replays`; `otherwise`: replays that differ."""
 
     levels: int
     played: int
@@ -94,7 +94,7 @@ def _drawn(stage: Stage) -> list[tuple[Any, str]]:
 
 
 def _axis(draw: Any, name: str) -> dict[str, Any]:
-    """Return the label of a column, its values at θ = -1 and 1, and of finitely many values their cells."""
+    """Return the label of a column, its values at θ = -1 and 1, and its cells if it has finitely many values."""
     axis, cells = axis_of(draw), cells_in(draw)
     finite = bool(np.isfinite((axis.low, axis.high)).all())
     low, high = (float(axis.low), float(axis.high)) if finite else (-1.0, 1.0)
@@ -117,7 +117,7 @@ def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str],
         told[kind] = {name: _plain(columns[f"{kind}/{name}"][chosen]) for name in _students(columns)}
     every = [name for name in columns if name.startswith("theta/")]
     theta = np.stack([columns[name][chosen] for name in every], 1) if every else np.zeros((len(chosen), 0))
-    whole = [cells_in(draw) is not None for draw, _ in _drawn(stage)]  # rounding could change their value
+    whole = [cells_in(draw) is not None for draw, _ in _drawn(stage)]  # rounding could change the value
     told["theta"] = {name: theta[:, d].tolist() if whole[d] else _plain(theta[:, d]) for d, name in enumerate(names)}
     if stage.painter is not None:
         told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)), _unit(stage.painter))
@@ -171,7 +171,7 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
 
 
 def _unit(painter: ScenePainter) -> float:
-    """Return the resolution of positions in meters, of which int16 reach to twice the size of the scene."""
+    """Return the resolution of positions in meters; int16 multiples of it cover twice the size of the scene."""
     return float(f"{2 * np.abs([*painter.bounds, *painter.reach]).max() / -NOWHERE:.3g}") or 1.0
 
 

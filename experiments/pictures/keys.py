@@ -1,4 +1,4 @@
-"""What legends say: methods, what lines, bands and whiskers mean, and the scales of densities.
+"""Legends: methods, the meaning of lines, bands and whiskers, and the scales of densities.
 
 Read next: `pictures.level_plots`, which draws the densities.
 """
@@ -15,13 +15,13 @@ from regista.experiments.pictures import plots
 MEAN, RUN, WHISKER = "mean of runs", "a run", "95% CI"
 RANGE, MIDDLE, INTERVAL = "range of runs", "middle half of runs", "95% CI of the mean"  # bands
 RUNS = (MEAN, RUN, RANGE)
-OPACITY, POWER = 0.88, 0.6  # of the highest density; of the scale, so that low densities are seen
-SCALE_HEIGHT = 0.62  # inches of a figure for the scales of densities
+OPACITY, POWER = 0.88, 0.6  # at the highest density; exponent, which makes low densities visible
+SCALE_HEIGHT = 0.62  # inches below a figure for the scales of densities
 BAR_HEIGHT = 0.09  # inches, of a scale
 
 
 def method_handles(methods: Iterable[str], marks: Sequence[str] = (), filled: bool = False) -> list[Any]:
-    """Return the handles of a legend: methods as lines or `filled` patches, then what `marks` mean, in gray."""
+    """Return the handles of a legend: methods as lines or `filled` patches, then the `marks` in gray."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -56,7 +56,7 @@ def _bar() -> Any:
 
 
 def columns_for(handles: Sequence[Any], inches: float) -> int:
-    """Return how many columns of these handles fit a width, at most `plots.LEGEND_COLUMNS`, in rows of like length."""
+    """Return the number of legend columns for a width, at most `plots.LEGEND_COLUMNS`, in rows of similar length."""
     longest = max(len(handle.get_label()) for handle in handles)
     most = int(np.clip(inches / (0.55 + 0.075 * longest), 1, min(plots.LEGEND_COLUMNS, len(handles))))
     rows = -(-len(handles) // most)
@@ -69,7 +69,7 @@ def opacity(density: np.ndarray) -> np.ndarray:
 
 
 def density_scales(figure: Any, kinds: Sequence[tuple[str, Any]]) -> None:
-    """Draw a scale for each kind of points, name and color, below a figure or subfigure: `SCALE_HEIGHT` inches."""
+    """Draw a density scale for each kind (name, color) of points, `SCALE_HEIGHT` inches high, below a (sub)figure."""
     from matplotlib.colors import to_rgb
 
     box = figure.bbox.transformed(figure.dpi_scale_trans.inverted())

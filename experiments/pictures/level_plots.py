@@ -26,18 +26,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 CELL = 1.0  # m, on a pitch
-CELL_PIXELS = 24  # of a side of a square cell
-PANEL_WIDTH, TITLE_GAP = 3.3, 0.45  # inches; between the titles of neighbors
-CELLS = 100  # along the longer side of other painters' bounds
-MOST_LEVELS = 5000  # of a run and period
+CELL_PIXELS = 24  # side of a square cell
+PANEL_WIDTH, TITLE_GAP = 3.3, 0.45  # inches; the gap separates titles of neighbors
+CELLS = 100  # along the longer side of the bounds, for tasks other than football
+MOST_LEVELS = 5000  # per run and period
 MOST_CHOICES = 2  # bar charts next to the pitches
 
 
 def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.ndarray]:
-    """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates.
+    """Return θ `[L, D]` of the training levels in each of these periods, given as shares of the run's updates.
 
-    Of more than `MOST_LEVELS` levels it returns at most so many, evenly spaced: a density needs no more, and a long run
-    has millions. No others are kept in memory.
+    At most `MOST_LEVELS` levels per period are loaded, evenly spaced: they suffice for a density, and a long run has
+    millions of levels.
     """
     update = read_levels(run, "update").get("update", np.zeros(0))
     found = [np.flatnonzero(within(update, period)) for period in periods]
@@ -53,8 +53,8 @@ def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.n
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x periods: the density of the starting positions of both teams, or of a painter's points.
 
-    To their right, for the first choices among `draws`, bars show how often an adversary proposed each option, and the
-    program's weights.
+    Bar charts on the right show the first choices among `draws`: bars are the shares of options in the adversary's
+    proposals, lines are the program's weights.
     """
     import matplotlib.pyplot as plt
 
@@ -109,7 +109,7 @@ def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
 
 
 def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
-    """Draw bars for all columns of θ."""
+    """Draw the shares of proposals for all columns of θ."""
     import matplotlib.pyplot as plt
 
     with plots.style():
@@ -123,7 +123,7 @@ def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
 
 
 def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
-    """Draw the ground with the density of the painter's points in these levels, a color for each of `kinds_of`."""
+    """Draw the ground and the density of the painter's points in these levels, one color for each of `kinds_of`."""
     _draw_ground(axes, painter)
     known = [theta for theta in thetas if len(theta)]
     if not known:
@@ -149,11 +149,11 @@ def _is_football(painter: Any) -> bool:
 
 
 def kinds_of(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
-    """Return the kinds of points: name, mask `[K]` and color. Teams without the own keeper, or markers."""
+    """Return the kinds of points: name, mask `[K]` and color. Football: teams without the left keeper; else markers."""
     classes = np.asarray(painter.classes)
     if _is_football(painter):
         opponents = (classes >= RIGHT_PLAYER) & (classes < BALL)
-        first = min(classes[opponents], default=RIGHT_PLAYER)  # a keeper's color where there is no other opponent
+        first = min(classes[opponents], default=RIGHT_PLAYER)  # the keeper's color if it is the only opponent
         return [
             ("starting positions of the learner's team", classes < LEFT_KEEPER, PAPER_COLORS[0]),
             ("starting positions of opponents", opponents, PAPER_COLORS[first]),
@@ -173,9 +173,9 @@ def _draw_ground(axes: Axes, painter: Any) -> None:
 
 
 def _draw_cells(axes: Axes, painter: Any, places: np.ndarray) -> None:
-    """Draw the densities of points `[L, K, 2]` on a grid: of tiles as cells, of others as bars side by side in these.
+    """Draw the densities of points `[L, K, 2]` on a grid: tiles fill cells, other kinds are bars side by side in cells.
 
-    Over white, each color has the opacity of its density; colors on top of each other would be mixed.
+    Each color is blended with white by the opacity of its density. Kinds do not overlap, since that would mix colors.
     """
     tiles = tiles_of(painter)
     cell = 2 * painter.markers[painter.classes[tiles.argmax()]][2]
@@ -197,7 +197,7 @@ def _draw_cells(axes: Axes, painter: Any, places: np.ndarray) -> None:
 
 
 def _count(bounds: tuple[float, float, float, float], points: np.ndarray, cell: float) -> np.ndarray:
-    """Return how many of the points `[..., 2]` lie in each cell: `[rows, columns]`, from the lowest row."""
+    """Count the points `[..., 2]` in each cell: `[rows, columns]`, from the lowest row up."""
     x_low, x_high, y_low, y_high = bounds
     x, y = points.reshape(-1, 2).T
     bins = (max(int((y_high - y_low) / cell), 1), max(int((x_high - x_low) / cell), 1))
@@ -207,7 +207,7 @@ def _count(bounds: tuple[float, float, float, float], points: np.ndarray, cell: 
 def _draw_density(
     axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float
 ) -> None:
-    """Draw the density of `points` `[n, 2]` in one color, with opacity proportional to density."""
+    """Draw the density of `points` `[n, 2]` in one color, with opacity given by `keys.opacity`."""
     from matplotlib.colors import to_rgb
 
     if not len(points):

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 WIDTH = 11.5  # inches
 CURVES_HEIGHT = 2.4  # inches
 TITLE_HEIGHT = 0.35  # inches, title of a pitch
-LEVELS_TITLE, TITLE_GAP = 9.0, 0.45  # points, size of these titles; inches between neighbors
+LEVELS_TITLE, TITLE_GAP = 9.0, 0.45  # font size of pitch titles in points; gap between neighbors in inches
 COLUMNS = 4  # pitches per row
-MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
-ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
+MOST_HORIZONTAL = 7  # scenes with horizontal labels; with more scenes, labels are rotated
+ROTATED_HEIGHT = 0.5  # inches, additional height for rotated labels
 HEADING_LENGTH = 105  # characters per line of the heading
-GAINS_LENGTH = 160  # characters per line of the differences below it
+GAINS_LENGTH = 160  # characters per line of the differences below the heading
 GAINS_LINE = 0.19  # inches
-ALL = "all scenes"  # the mean over them, as in the tables
+ALL = "all scenes"  # label of the mean over scenes, as in the tables
 
 Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading that ends in ", period", runs, period of training
 
@@ -57,14 +57,14 @@ class Comparison:
 
 
 def overview(comparison: Comparison, path: Path) -> None:
-    """Draw the picture: curves and goals at the top, a row of pitches for each method below."""
+    """Draw the picture: learning curves and success rates at the top, a row of pitches for each method below."""
     import matplotlib.pyplot as plt
 
     learning = _learning(comparison)
     heading, gains, handles = _heading(comparison), _gains(comparison), _handles(comparison, learning)
     title = 0.3 + 0.2 * heading.count("\n")  # inches, like all sizes below
     head = title + GAINS_LINE * len(gains) + 0.25
-    many = len(unique([row.scene for row in comparison.results])) >= MOST_HORIZONTAL  # with the mean of all
+    many = len(unique([row.scene for row in comparison.results])) >= MOST_HORIZONTAL  # labels include the mean
     across = keys.columns_for(handles, WIDTH)
     legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(handles) // across)
     above_height, below_height = head + CURVES_HEIGHT + legend, _levels_height(comparison)
@@ -115,7 +115,7 @@ def _draw_levels(below: Any, comparison: Comparison) -> None:
 
 
 def _shortened(title: str, fitting: int) -> str:
-    """Return the heading of a pitch in two lines of this many characters; the name is shortened, not its period."""
+    """Wrap the heading of a pitch into two lines of `fitting` characters; shorten the name, not the period."""
     lines = textwrap.wrap(title, fitting)
     if len(lines) > 2:
         name, _, period = title.rpartition(", ")
@@ -147,9 +147,10 @@ def _read_panels(panels: Sequence[Panel]) -> list[list[np.ndarray]]:
 
 
 def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[Panel]]:
-    """Return rows of panels (heading, runs, period of training), for each curriculum after a DR panel for reference.
+    """Return a row of panels (heading, runs, period of training) for each method; for DR only if it is the only one.
 
-    The levels of domain randomization do not change over time, so one panel shows all of them.
+    Each row starts with a reference panel: DR over all of training, since its distribution of levels is constant.
+    Without DR, it is the method itself over all of training.
     """
     uniform = [("Levels: domain randomization", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
     others = [method for method in runs if method != "dr"] or list(runs)
@@ -168,7 +169,7 @@ def _heading(comparison: Comparison) -> str:
 
 
 def _gains(comparison: Comparison) -> list[str]:
-    """Return lines with the difference of each method to the first in the mean over all scenes; [] of one run each."""
+    """Return lines with the difference of each method from the first in the mean over scenes; [] without intervals."""
     reference, *others = comparison.runs
     known = {name: _scores(comparison, name) for name in comparison.runs}
     base = known[reference]
@@ -197,13 +198,13 @@ def _scores(comparison: Comparison, method: str) -> estimate.Scores | None:
 
 
 def _learning(comparison: Comparison) -> dict[str, curves.Curve]:
-    """Return the learning curve of each method that was evaluated in training."""
+    """Return the learning curve of each method that was evaluated during training."""
     found = {name: curves.read_curve(paths, f"eval/{TRAINING_SCENE}") for name, paths in comparison.runs.items()}
     return {name: curve for name, curve in found.items() if curve is not None}
 
 
 def _draw_results(above: Any, comparison: Comparison, learning: Mapping[str, curves.Curve]) -> None:
-    """Draw the goals, beside the learning curves if there are any."""
+    """Draw the learning curves, if any, and to their right the success rates."""
     if learning:
         left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
         _draw_learning(left, learning)
@@ -221,7 +222,7 @@ def _draw_learning(axes: Axes, learning: Mapping[str, curves.Curve]) -> None:
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
-    """Draw the success rate of every method, with its interval if available: mean of all scenes, then each scene."""
+    """Draw the success rate of every method with its interval: the mean over more than two scenes, then each scene."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
     shown = [ALL, *scenes] if len(scenes) > 2 else scenes
@@ -230,7 +231,7 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
         offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
         for index, scene in enumerate(shown):
             interval = _rate(comparison, method, scene)
-            if interval is not None:  # else no bar, which would read as 0
+            if interval is not None:  # without a rate there is no bar, since an empty bar would read as 0
                 _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.bar_look(method))
     rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(shown) > MOST_HORIZONTAL else {}
     names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in shown]
@@ -242,7 +243,7 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
 
 
 def _rate(comparison: Comparison, method: str, scene: str) -> Interval | None:
-    """Return a method's rate on a scene or in the mean of all; None if it is not known."""
+    """Return a method's rate on a scene, or its mean over all scenes; None if not available."""
     if scene == ALL:
         mine = _scores(comparison, method)
         return None if mine is None else estimate.mean_score(mine)
@@ -254,5 +255,5 @@ def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, look: Ma
     axes.bar(at, interval.estimate, width, **look)
     if interval.known:
         low, high = interval.estimate - interval.low, interval.high - interval.estimate
-        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
+        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding errors may make a length negative
         axes.errorbar(at, interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)

@@ -1,8 +1,8 @@
 """The style of all pictures. Matplotlib is imported when a picture is drawn.
 
-Each method has the same color in all pictures, which no team has and which readers with a color vision deficiency can
-tell from the others. A variant of a method has its hue, see `pictures.variants`. Where many methods are drawn, curves
-have markers, too, which differ in gray print.
+Each method has the same color in all pictures. These colors differ from those of teams, and color-blind readers can
+distinguish them. Variants of a method share its hue, see `pictures.variants`. In pictures of many methods, curves also
+have markers, which remain distinct in grayscale.
 
 Read next: `pictures.keys`, legends; `pictures.curves`, `pictures.level_plots`; then `pictures.overview`.
 """
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 INK = "#22262b"
 FAINT = "#8a9199"
-REFERENCE = "#b0006d"  # of what is compared with: weights of a program, measurements
+REFERENCE = "#b0006d"  # of references: weights of a program, measurements
 BASELINES = {
     "shoot": ("shoot at once", "#9aa3ab"),
     "random": ("random", "#cfd5da"),
@@ -41,7 +41,7 @@ BASELINES = {
 METHOD_COLORS = {name: row.color for name, row in METHODS.items()} | {k: color for k, (_, color) in BASELINES.items()}
 OTHER_COLOR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
-CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of what is no method
+CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of things other than methods
 MARKERS = {  # of methods' curves
     "dr": "o",
     "paired": "s",
@@ -58,16 +58,16 @@ MARKERS = {  # of methods' curves
     "alp_gmm": "8",
     "lessons": "d",
 }
-SLIGHT = {"*": 1.7, "X": 1.2, "P": 1.2, "p": 1.15}  # markers that look smaller than others: factors of their size
-MANY = 5  # methods of a picture from which on their curves have markers
-BETWEEN_MARKERS = 0.12  # on a curve, relative to the diagonal of its axes
-ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
+SLIGHT = {"*": 1.7, "X": 1.2, "P": 1.2, "p": 1.15}  # size factors of markers that look smaller than others
+MANY = 5  # minimum number of methods in a picture for markers on curves
+BETWEEN_MARKERS = 0.12  # distance on a curve, relative to the diagonal of its axes
+ABOVE_AXES = 2.6  # zorder of curves: with a lower one, the axis would cover a curve at 0
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
 
 STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],  # an SVG names all, for readers without the first
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],  # an SVG lists all, for machines without the first
     "font.size": 9.5,
     "text.color": INK,
     "axes.labelcolor": INK,
@@ -97,7 +97,7 @@ STYLE: dict[Any, Any] = {
 PictureFormat = Literal["png", "svg", "pdf"]
 FORMATS: tuple[str, ...] = get_args(PictureFormat)
 FORMAT_HELP = "file format of pictures"
-UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # metadata that would differ from call to call
+UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # no timestamps, for reproducible files
 
 
 def style() -> AbstractContextManager:
@@ -108,12 +108,12 @@ def style() -> AbstractContextManager:
     return matplotlib.rc_context(STYLE)
 
 
-_variants: dict[str, Look] = {}  # of the comparison that is drawn
-_methods: dict[str, str] = {}  # of these variants
+_variants: dict[str, Look] = {}  # looks of the current comparison's variants
+_methods: dict[str, str] = {}  # their methods
 
 
 def distinguish(variants: Mapping[str, str]) -> None:
-    """Give the variants of a comparison looks of their own, in the hue of their methods: `variants` says of which."""
+    """Assign each variant of a comparison its own look in the hue of its method; `variants` maps variant to method."""
     _variants.clear()
     _variants.update(looks(variants, METHOD_COLORS))
     _methods.clear()
@@ -128,13 +128,13 @@ def color(method: str) -> str:
 
 
 def bar_look(method: str) -> dict[str, Any]:
-    """Return what bars and patches of a method or a variant are drawn with; those of variants are hatched."""
+    """Return the style of bars and patches of a method or a variant; those of variants are hatched."""
     hatch = {"hatch": _variants[method].hatch, "edgecolor": "white"} if method in _variants else {}
     return {"facecolor": color(method), "linewidth": 0} | hatch
 
 
 def sequence(count: int) -> list[Any]:
-    """Return so many colors that follow each other, from light to dark; color-blind readers can order them."""
+    """Return `count` colors from light to dark, in an order that color-blind readers can recognize."""
     from matplotlib import colormaps
 
     return list(colormaps["viridis_r"](np.linspace(0.15, 1, count)))
@@ -146,15 +146,15 @@ def line_style(method: str) -> Any:
 
 
 def curve_look(method: str, among: int = 1) -> dict[str, Any]:
-    """Return what curves of a method or a variant are drawn with: color, line style, and a marker `among` many."""
+    """Return the style of curves of a method or a variant: color, line style, and a marker among MANY or more."""
     look: dict[str, Any] = {"color": color(method), "linestyle": line_style(method)}
     return look | marker_look(method, 5.5) if among >= MANY else look
 
 
 def marker_look(method: str, size: float) -> dict[str, Any]:
-    """Return the marker of a method's curves; those of two curves begin at different places, not to cover each other.
+    """Return the marker style of a method's curves. A variant has the marker of its method.
 
-    A variant has the marker of its method.
+    Markers of different methods start at different offsets along the curve, so they do not cover each other.
     """
     known = _methods.get(method, method)
     begin = [*MARKERS].index(known) / len(MARKERS) * BETWEEN_MARKERS if known in MARKERS else 0.0
@@ -164,10 +164,13 @@ def marker_look(method: str, size: float) -> dict[str, Any]:
 
 
 def whisker(axes: Axes, at: float, interval: Interval, method: str) -> None:
-    """Draw an interval at a place of the horizontal axis, with the method's marker at its estimate; if it is known."""
+    """Draw an interval at position `at` of the horizontal axis, with the method's marker at the estimate.
+
+    Without a known interval, draw nothing.
+    """
     if interval.known:
         low, high = interval.estimate - interval.low, interval.high - interval.estimate
-        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
+        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding errors may make a length negative
         shade = color(method)
         axes.errorbar(at, interval.estimate, span, color=shade, elinewidth=1.3, capsize=2.5)
         mark = {key: value for key, value in marker_look(method, 5.0).items() if key != "markevery"}
@@ -175,9 +178,9 @@ def whisker(axes: Axes, at: float, interval: Interval, method: str) -> None:
 
 
 def leave_room(axes: Axes, end: float, until: float) -> None:
-    """Let the horizontal axis go from 0 to `until`, without ticks beyond the `end` of the curves: whiskers stand there.
+    """Extend the horizontal axis from 0 to `until`, to make room for whiskers beyond the `end` of the curves.
 
-    Whiskers stand beside each other; a place between them is no number of steps.
+    There are no ticks beyond `end`, since the positions of whiskers are not numbers of steps.
     """
     axes.set_xlim(0, until)
     axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= 1.001 * end])
@@ -208,9 +211,9 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def in_format(path: Path, kind: str | None) -> Path:
-    """Return the path of a picture in a file format; without one it is the ending of the path, or png.
+    """Return the path of a picture with the extension of a file format; None: that of the path, or png.
 
-    Raises `ValueError` for another ending without a format.
+    Raises `ValueError` for an unknown extension without a format.
     """
     if kind is None and path.suffix[1:].lower() in FORMATS:
         return path
@@ -222,7 +225,7 @@ def in_format(path: Path, kind: str | None) -> Path:
 
 
 def heading(axes: Axes, text: str) -> int:
-    """Set the title of axes, in as many lines as their width needs; return the number of lines."""
+    """Set the title of axes, wrapped at their width; return the number of lines."""
     figure: Any = axes.get_figure(root=True)
     lines = textwrap.wrap(text, fitting(figure.get_figwidth() * axes.get_position().width))
     axes.set_title("\n".join(lines))
@@ -235,7 +238,7 @@ def fitting(inches: float) -> int:
 
 
 def rate_axis(axes: Axes) -> None:
-    """Let the vertical axis of rates go from 0 to 1, with labels in percent."""
+    """Set the limits of the vertical axis of rates to [0, 1], with labels in percent."""
     from matplotlib.ticker import PercentFormatter
 
     axes.set_ylim(0, 1)
@@ -243,7 +246,7 @@ def rate_axis(axes: Axes) -> None:
 
 
 def begin_at_zero(axes: Axes) -> None:
-    """Let curves begin at no steps, and the vertical axis at 0 where no value is negative."""
+    """Start the horizontal axis at 0 steps, and the vertical axis at 0 if no value is negative."""
     axes.set_xlim(left=0)
     curves = [np.asarray(line.get_ydata(), float) for line in axes.lines]
     ends = [np.nanmin(curve) for curve in curves if len(curve)]
@@ -252,7 +255,7 @@ def begin_at_zero(axes: Axes) -> None:
 
 
 def marker_legend(figure: Figure, painter: Any, places: np.ndarray) -> None:
-    """Add a legend of the marker colors below a figure, of points that lie within it: `places` `[L, K, 2]`."""
+    """Add a legend of marker colors below a figure, for classes with `places` `[L, K, 2]` inside the bounds."""
     from matplotlib.lines import Line2D
 
     from regista.envs.football.view.render import PAPER_COLORS
@@ -268,7 +271,7 @@ def marker_legend(figure: Figure, painter: Any, places: np.ndarray) -> None:
 
 
 def label_steps(axes: Axes) -> None:
-    """Label the horizontal axis, with short numbers."""
+    """Label the horizontal axis as steps, with short numbers."""
     axes.set_xlabel("simulated steps, all students")
     shorten_steps(axes)
 

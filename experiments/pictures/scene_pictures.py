@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from scenic_lite import Scenes
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
-TITLE_GAP = 2.2  # font sizes between rows of panels, to separate titles from the panels above
+TITLE_GAP = 2.2  # in font sizes, between rows of panels; separates titles from the panels above
 LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
@@ -81,7 +81,7 @@ def draw_ground(axes: Axes, view: SceneView) -> None:
 
 
 def draw_objects(axes: Axes, view: SceneView, boxes: np.ndarray) -> None:
-    """Draw the objects of one scene, boxes `[O, 5]`."""
+    """Draw the objects of one scene as boxes `[O, 5]`."""
     from matplotlib.collections import LineCollection, PolyCollection
 
     colors: Any = np.array(view.colors)[view.kinds] / 255

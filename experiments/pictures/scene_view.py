@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Color = tuple[int, int, int]
 
-MARGIN = 0.06  # around everything, relative to width and height
+MARGIN = 0.06  # around all points, relative to width and height
 PROBES = 256  # random scenes for estimating the extent of the objects
 SMALLEST = 0.018  # minimum size of drawn objects, relative to the width
 PALETTE: tuple[Color, ...] = (

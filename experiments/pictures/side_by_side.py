@@ -1,4 +1,4 @@
-"""One episode in two engines under the same actions, side by side in a Rerun recording, with their divergence.
+"""One episode in two engines under the same actions, side by side in a Rerun recording, with the distance between both.
 
     /scene/<n>/ground                static lines; coordinates below /scene are in m, y-up
     /scene/<n>/<side>/now            current positions, on timeline `step`
@@ -48,7 +48,7 @@ class SideBySide:
         return np.linalg.norm(one - other, axis=-1)
 
     def parted(self) -> int | None:
-        """Return the first step at which a point's distance exceeds PARTED; None: never."""
+        """Return the first step at which the distance of a point exceeds PARTED; None: never."""
         apart = np.flatnonzero((self.gaps() > PARTED).any(1))
         return int(apart[0]) if len(apart) else None
 
@@ -92,7 +92,7 @@ def _log(stream: rerun.RecordingStream, number: int, pair: SideBySide) -> None:
 
 
 def _log_points(stream: rerun.RecordingStream, path: str, painter: ScenePainter, points: np.ndarray) -> None:
-    """Write all points at every step; after the end they stay."""
+    """Write all points at every step; after the end, the viewer keeps the last ones."""
     steps, count = points.shape[:2]
     lengths = np.full(steps, count)
     radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]

@@ -20,12 +20,12 @@ from ued.core.upomdp import UPOMDP
 
 Marker = tuple[str, Color, float]  # name, color, radius
 
-DRAWS = 1024  # samples for the share of valid levels
-MOST_COLUMNS = 40  # listed columns of θ
-MOST_OF_A_CHOICE = 60  # characters for the values of a choice
-MOST_LETTERS = 300  # characters for the description of a level
+DRAWS = 1024  # samples for estimating the share of valid levels
+MOST_COLUMNS = 40  # maximum number of listed columns of θ
+MOST_OF_A_CHOICE = 60  # maximum number of characters for the values of a choice
+MOST_LETTERS = 300  # maximum number of characters for the description of a level
 FRAME_WIDTH, TITLE_HEIGHT = 3.0, 0.62  # inches
-TITLE_LETTERS, TITLE_LINES = 50, 3  # of the values above a frame
+TITLE_LETTERS, TITLE_LINES = 50, 3  # characters and lines of the values above a frame
 CANNOT_DRAW = (
     'cannot draw: make the environments with render_mode="rgb_array"; an environment of your own sets self.render_mode '
     "and has render(), which returns a frame [height, width, 3] of bytes"
@@ -59,8 +59,8 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
 def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[Marker] = ()) -> None:
     """Draw the first frames of the levels θ `[n, D]`, one environment for each, below the values of the level.
 
-    A legend names the `markers` of a painter whose colors the frames have. Raises `CommandError` if the environments
-    cannot render.
+    A legend lists those `markers` whose colors occur in every frame. Raises `CommandError` if the environments cannot
+    render.
     """
     import matplotlib.pyplot as plt
 
@@ -80,7 +80,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
             axes.imshow(frame)
             axes.set_title(level_title(index, values), **TITLE)
             axes.set(xticks=[], yticks=[])
-            axes.spines[:].set_visible(True)  # white frames would run into each other
+            axes.spines[:].set_visible(True)  # borders separate white frames
         for axes in grid.flat[len(frames) :]:
             axes.set_axis_off()
         if handles := _handles(markers, frames):
@@ -89,7 +89,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
 
 
 def level_title(index: int, values: Mapping[str, Any]) -> str:
-    """Return a heading of a drawn level: its number and as many of its values as fit."""
+    """Return the heading of a drawn level: its number, and as many of its values as fit."""
     text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())
     lines = textwrap.wrap(text, TITLE_LETTERS, max_lines=TITLE_LINES, placeholder=" …")
     return "\n".join([f"level {index}", *lines])

@@ -22,21 +22,22 @@ from ued.recorder.shades import unique_names
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST_COLUMNS = 8  # drawn columns of θ
+MOST_COLUMNS = 8  # maximum number of drawn columns of θ
 BINS = 20
-DECADE, DECADES = 10, 200  # ratios of the ends of a LogRange: round values are 1, 2, 5, 10, ... and powers of 10 alone
-MOST_NAMES = 8  # of the values of a choice; more would overlap
+# Ratios high / low of a LogRange: from DECADE on, ticks at 1, 2, 5, 10, ...; from DECADES on, at powers of 10 only.
+DECADE, DECADES = 10, 200
+MOST_NAMES = 8  # maximum number of labels on the axis of a choice; more would overlap
 
 
 def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training.
 
-    A column that `draws` describe as a choice, or as a few integers, has a bar for each value. The axis of a finite
+    A column that is a choice or a few integers according to `draws` has a bar for each value. The axis of a finite
     range has the units of the parameter.
     """
     import matplotlib.pyplot as plt
 
-    nothing = np.zeros(0, np.int64)  # names alone
+    nothing = np.zeros(0, np.int64)  # load only the names of columns
     tables = (read_levels(run, "theta/", rows=nothing) for paths in runs.values() for run in paths)
     known = next((_names(table) for table in tables if table), [])
     names, choices, scales = known[:MOST_COLUMNS], _choices(draws), _scales(draws)
@@ -59,7 +60,7 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Param
             line[0].set_ylabel("share of levels")
         for axes, name in zip(grid[-1], names, strict=True):
             axes.set_xlabel("value" if name in choices or name in scales else "θ (lowest to highest value)")
-            axes.set_ylim(bottom=0)  # of the whole column, after all of it is drawn
+            axes.set_ylim(bottom=0)  # after drawing, since the axes of a column share their limits
         handles, labels = grid[0][0].get_legend_handles_labels()
         figure.legend(
             handles, labels, loc="outside lower center", ncols=4, fontsize=8, title=f"levels of{more}", title_fontsize=8
@@ -72,7 +73,7 @@ def _names(table: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def _choices(draws: Sequence[Parameter]) -> dict[str, tuple[Cells, list[str]]]:
-    """Return the cells of the columns of finitely many values, and the names of these values, by column."""
+    """Return the cells and value names of each column with finitely many values, by column."""
     found = {}
     for name, draw in zip(unique_names(draws), draws, strict=True):
         cells = choice_in(draw)
@@ -82,9 +83,9 @@ def _choices(draws: Sequence[Parameter]) -> dict[str, tuple[Cells, list[str]]]:
 
 
 def _scales(draws: Sequence[Parameter]) -> dict[str, tuple[list[float], list[str]]]:
-    """Return where round values of the other columns lie in [-1, 1], and their labels, by column.
+    """Return the tick positions in [-1, 1] and the tick labels of the other columns, by column.
 
-    Columns without a finite range have none.
+    Columns without a finite range have no ticks.
     """
     from matplotlib.ticker import LogLocator, MaxNLocator
 

@@ -1,6 +1,6 @@
-"""Looks of variants: the hue of their method at other lightness, with dashes of lines and hatches of bars of their own.
+"""Looks of variants: the hue of their method at another lightness, with distinct dashes of lines and hatches of bars.
 
-A variant is a named set of settings of a method. Read next: `pictures.plots`, which asks for them.
+A variant is a named set of settings of a method. Read next: `pictures.plots`, which uses the looks.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-LIGHTNESS = (61, 30, 46, 18)  # CIELAB, of the variants of a method; the lightest has a contrast of 3 on white
-APART = 11  # least difference in lightness from the method itself
+LIGHTNESS = (61, 30, 46, 18)  # CIELAB lightness of variants; the lightest has a contrast ratio of 3 on white
+APART = 11  # minimum difference in lightness from the method's color
 DASHES: tuple[Any, ...] = ((0, (4, 1.6)), (0, (1.2, 1.2)), (0, (7, 1.6, 1.2, 1.6)), (0, (2, 3)), (0, (9, 3)))
 HATCHES = ("////", "....", "xxxx", "\\\\\\\\", "----")
-TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])  # of linear sRGB
+TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])  # from linear sRGB
 WHITE = TO_XYZ.sum(1)
 BEND = 6 / 29  # below it, CIELAB is linear
 
 
 class Look(NamedTuple):
-    """What a variant is drawn with: an RGB color, a Matplotlib line style, and a hatch."""
+    """The look of a variant: an RGB color, a Matplotlib line style, and a hatch."""
 
     color: str
     dashes: Any
@@ -32,10 +32,11 @@ def looks(variants: Mapping[str, str], colors: Mapping[str, str]) -> dict[str, L
     """Return the look of each variant.
 
     Args:
-        variants: their names, with the names of their methods.
-        colors: of methods, as "#rrggbb".
+        variants: the method of each variant, by name.
+        colors: the color of each method, as "#rrggbb".
 
-    Variants of one method differ in lightness, up to three, and in dashes and hatches, up to five; more repeat them.
+    A method has at least three shades and five pairs of dashes and hatches for its variants; further variants repeat
+    them.
     """
     found, seen = {}, Counter[str]()
     for name, method in variants.items():
@@ -47,7 +48,7 @@ def looks(variants: Mapping[str, str], colors: Mapping[str, str]) -> dict[str, L
 
 
 def shades_of(color: str) -> list[str]:
-    """Return colors of the same hue with other lightness, at least three."""
+    """Return at least three colors of the same hue with other lightness."""
     from matplotlib.colors import to_hex
 
     lightness, *ab = to_lab(color)
@@ -67,7 +68,7 @@ def to_lab(color: Any) -> np.ndarray:
 
 
 def from_lab(lightness: float, ab: np.ndarray) -> np.ndarray:
-    """Return the sRGB color `[3]` in [0, 1] of this lightness and hue; its chroma shrinks until the color exists."""
+    """Return the sRGB color `[3]` in [0, 1] of this lightness and hue; reduce the chroma until sRGB contains it."""
     for chroma in np.linspace(1, 0, 41):
         f = (lightness + 16) / 116 + np.array([ab[0] / 500, 0, -ab[1] / 200]) * chroma
         share = np.where(f > BEND, f**3, 3 * BEND**2 * (f - 4 / 29))

@@ -1,8 +1,8 @@
 """The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
-fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only
-given flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
+fields are plain flags (`--learning-rate`), otherwise its name precedes them (`--paired.dr-fraction`). Only given
+flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
 with topics have their own pages, `--help TOPIC`. Read next: `run.config`.
 """
 
@@ -57,11 +57,11 @@ def parse(base: Config, argv: Sequence[str], command: str, description: str) -> 
     return replace_paths(base, typed)
 
 
-# Alternative base configurations by the case in which they apply, a phrase that ends a sentence; see `_stated`.
+# Alternative base configurations by case, a phrase such as "with --preset thesis"; see `_stated`.
 Others = Mapping[str, Sequence[Any]]
 
 
-LISTING = "--list-flags"  # the whole command line of `parser_of`
+LISTING = "--list-flags"  # the only argument that `parser_of` passes
 
 
 class Listed(Exception):
@@ -108,7 +108,7 @@ def typed_settings(
 def replace_paths(config: Config, values: dict[str, Any]) -> Config:
     """Return `config` with the values at these dotted paths replaced."""
     changes: dict[str, Any] = {}
-    nested: dict[str, dict[str, Any]] = {}  # all values of a part at once, as it may check one against another
+    nested: dict[str, dict[str, Any]] = {}  # replaced together, since checks of a part may involve several
     for path, value in values.items():
         head, _, rest = path.partition(".")
         if rest:
@@ -132,8 +132,10 @@ def flag_name(name: str, prefix: str = "") -> str:
 
 
 class _Place(NamedTuple):
-    """Position in nested configurations: path of fields, prefix of flags, the same part of alternative configurations,
-    fields without a flag, help topics.
+    """Position in nested configurations.
+
+    `path` is that of the fields, `prefix` that of the flags. `others` is the same part of alternative configurations,
+    `without` lists fields without a flag, and `topics` are help topics.
     """
 
     path: str
@@ -177,13 +179,13 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
 
 
 def _part(bases: Sequence[Any], name: str) -> list[Any]:
-    """Return the values of a field in those configurations that have it."""
+    """Return the values of a field in the configurations that have this field."""
     return [getattr(base, name) for base in bases if hasattr(base, name)]
 
 
 def _stated(value: Any, name: str, others: Others) -> str:
     """Return the default of a field in parentheses, with the cases in which it differs."""
-    cases: dict[str, list[str]] = {}  # by the values
+    cases: dict[str, list[str]] = {}  # cases by differing default
     for case, bases in others.items():
         differing = [_spell(other) for other in _part(bases, name) if other is not None and other != value]
         if differing:

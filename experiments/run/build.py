@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from scenic_lite import Program
     from ued.core.task import Make
 
-MANY = 1_024  # environments; for more, one is made first to check whether they fit into memory
+MANY = 1_024  # environments; for more, `make_upomdp` first makes one and checks whether all fit into memory
 STATE_COPIES = 3  # copies of a match's state during a step
 ENGINE_BYTES = 55_000_000  # one engine of Google Research Football
 
@@ -130,7 +130,7 @@ def room_for(what: str) -> Iterator[None]:
 
 
 def _bytes_of_one(upomdp: Any, seed: int) -> int:
-    """Return a lower bound on the bytes of one environment: its state and its observations; closes it."""
+    """Return a lower bound on the bytes of an environment (its state and observations), and close it."""
     if getattr(getattr(upomdp, "config", None), "engine", None) == "grf":
         return ENGINE_BYTES
     upomdp.reset(seed=seed)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class BuiltIn(NamedTuple):
-    """A built-in task: its full name, and one line on it."""
+    """A built-in task: its full name and a one-line description."""
 
     name: str
     about: str

@@ -1,4 +1,4 @@
-"""The commands, and one line on each. Read next: `__main__`, which runs them."""
+"""The commands with one-line descriptions. Read next: `__main__`, which runs them."""
 
 COMMANDS = {
     "train": "train students on a game or a task, with or without a curriculum",

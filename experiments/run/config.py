@@ -232,11 +232,11 @@ LARGEST = 10**300  # largest integer that is read as a float
 LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
-# Settings that older files lack, with the values that reproduce those runs: JSON.
+# Settings that are missing in older files, as JSON, with the values that reproduce those runs.
 ADDED: dict[str, Any] = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto"}
 ADDED |= {"ppo.head_size": 0, "ppo.norm_reward": False, "accel.new_levels": "random", "sfl.score": "learnability"}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv"}
-ADDED |= {"program": {"param": [], "scenario": None, "model": None}}  # of demonstrations
+ADDED |= {"program": {"param": [], "scenario": None, "model": None}}  # in files of demonstrations
 ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")}
 WITH_ADVERSARY = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in WITH_ADVERSARY} | {"env.pixels": "dense"}
@@ -321,7 +321,7 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
 
 def _rename(section: dict[str, Any]) -> None:
-    """Replace old names of values by the present ones, also in nested sections."""
+    """Replace old names of values by current ones, also in nested sections."""
     for key, value in section.items():
         if isinstance(value, dict):
             _rename(value)
@@ -390,7 +390,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
 def _clipped(item: Any, value: Any) -> Any:
     """Clip a machine-dependent setting, such as `threads`, to this machine's maximum; results do not depend on it.
 
-    So a run of a larger machine can be read on a smaller one. Values beyond any machine are rejected later.
+    Thus a smaller machine can read the run of a larger one. Values above OF_MACHINES are rejected later.
     """
     most = item.metadata.get("most")
     return min(value, most()) if callable(most) and value <= OF_MACHINES else value

@@ -61,7 +61,7 @@ def refused(error: Exception) -> str:
     if isinstance(error, KeyError):
         return f"{error} is missing"
     first, _, rest = str(error).partition("\n")
-    network = re.fullmatch(r"Error\(s\) in loading state_dict for (\w+):", first)  # torch names every weight
+    network = re.fullmatch(r"Error\(s\) in loading state_dict for (\w+):", first)  # torch's message lists every weight
     return f"its {network[1]} has other weights: {rest.partition('. ')[0].strip()}" if network else first
 
 
@@ -99,7 +99,7 @@ def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_go
         with interruptible(for_good) as heard:
             try:
                 code = command(words)
-            finally:  # also after --help, which raises SystemExit: detects a closed pipe
+            finally:  # flush also after --help, which raises SystemExit, to detect a closed pipe
                 sys.stdout.flush()
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, KeyboardInterrupt) and not heard:

@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 
     Played = dict[str, Evaluation]  # by scene
 
-SEED = 20_000  # of every evaluation: all policies get the same levels and random numbers
+SEED = 20_000  # of every evaluation, so all policies get the same levels and random numbers
 LEVELS_SEED = 20_001  # of random levels
-MOST_EPISODES = 10**9  # of a timed evaluation
-SHARED_SECONDS = 30.0  # of evaluation, above which processes save time; they take some seconds to start
+MOST_EPISODES = 10**9  # upper limit of a timed evaluation
+SHARED_SECONDS = 30.0  # minimum duration for parallel evaluation, since processes take some seconds to start
 ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
@@ -62,7 +62,7 @@ class EvalScenes:
         self._check_sizes(config)
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
-        """Play `episodes` whole episodes on each scene, or on each of these; `policy.play` chooses the actions.
+        """Play `episodes` complete episodes on each scene, or only on `labels`; `policy.play` chooses the actions.
 
         Each `round` has its own levels and random numbers. `on_end` is called with the number of ended episodes.
         """
@@ -77,7 +77,7 @@ class EvalScenes:
         levels = None
         if theta is not None:
             scene.np_random = np.random.default_rng(seed)
-            rows = (round * self.episodes + np.arange(self.episodes)) % len(theta)  # rounds go on where others ended
+            rows = (round * self.episodes + np.arange(self.episodes)) % len(theta)  # continue the previous round
             levels = scene.make_levels(theta[rows])  # each with its own layout seed
         return Schedule(scene, self.episodes, seed, levels).play(policy, on_end=on_end)
 
@@ -94,7 +94,7 @@ class EvalScenes:
     def metrics(self, policy: Any) -> dict[str, float]:
         """Return the mean return on each scene as `eval/<scene>`, with the environment steps and seconds used.
 
-        `eval_low/<scene>` and `eval_high/<scene>` are the ends of its 95% interval, nan below five episodes,
+        `eval_low/<scene>` and `eval_high/<scene>` are the ends of its 95% interval, nan below five episodes.
         `eval_success/<scene>` is the share of successful episodes.
 
         The steps are reported as `eval_env_steps` and do not count as `env_steps`.
@@ -111,7 +111,7 @@ class EvalScenes:
         return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
-        """Return whether to evaluate between these env_steps: at the first update, every `every`, and at the last."""
+        """Return whether to evaluate after an update: the first or last, or one that crosses a multiple of `every`."""
         return before == 0 or last or before // self.every < after // self.every
 
     def _check_sizes(self, config: TrainConfig) -> None:
@@ -196,14 +196,14 @@ def _play_source(plan: Plan, source: Path | str) -> Plays:
         policy, _ = load_student(RunFolder.open(source), scenes.game)
     else:
         policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])[source]
-    played = scenes.play(policy)  # first, as in one process: a policy may have a state
+    played = scenes.play(policy)  # before random levels, as in one process, since a policy may have a state
     levels = scenes.play_random_levels(policy, plan.levels, plan.level_episodes) if plan.levels else None
     return Plays(played, levels)
 
 
 @cache
 def _scenes_of(plan: Plan) -> EvalScenes:
-    """Return the scenes of a plan; a process plays them with several policies."""
+    """Return the scenes of a plan, cached since a process evaluates several policies on them."""
     return EvalScenes(plan.config, build.find_game(plan.config.minigame), plan.episodes, plan.held_out)
 
 
@@ -212,7 +212,7 @@ class Evaluator:
     """Evaluates every policy on the test scenes, and on `levels` random levels, `episodes` times each.
 
     `alike`: all runs have the same kind of initial student, so the method alone labels them.
-    `minutes`: repeat the scenes in rounds over all policies, while another round fits into this time.
+    `minutes`: repeat the scenes in rounds over all policies as long as another round fits into this time.
     `tell`: print the number of episodes to stderr.
     `processes`: maximum number of processes for a long evaluation; results do not depend on it.
     """
@@ -290,14 +290,14 @@ class Evaluator:
         ]
 
     def _seconds(self, policies: Sequence[Policy]) -> float:
-        """Estimate the seconds of one process, from the first policy on the training distribution."""
+        """Estimate the duration of a sequential evaluation from the first policy on the training distribution."""
         began = time.monotonic()
         self.scenes.play(policies[0].policy, [TRAINING_SCENE])
         each = len(self.scenes.scenes) + self.levels * self.episodes / self.scenes.episodes
         return (time.monotonic() - began) * each * len(policies)
 
     def _play_scenes(self, policies: Sequence[Policy], watch: Watch) -> list[Played]:
-        """Evaluate each policy on the scenes; with `minutes`, over as many rounds as fit."""
+        """Evaluate each policy on the scenes; with `minutes`, in as many rounds as fit."""
         began = time.monotonic()
         rounds: list[list[Played]] = []
         while True:
@@ -332,7 +332,7 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
 
 
 def played_by(config: Any) -> dict[str, Any]:
-    """Return the settings that determine what an evaluation of a run plays; those of a task are its own."""
+    """Return the settings that determine the episodes of an evaluation; empty for a Python task."""
     env = getattr(config, "env", None)
     if env is None:
         return {}
@@ -362,7 +362,7 @@ def load_method(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     config, state = run.config, run.load()
     assert state is not None
     versions.warn_of_age(run.path, run.simulator)
-    on_host = replace(config, device="cpu")  # an evaluation does not need the GPU
+    on_host = replace(config, device="cpu")  # evaluation needs no GPU
     on_host = on_host.on_engine(EngineConfig(engine="regista"))  # observations are the same in both engines
     upomdp = build.make_upomdp(game.task(on_host).make, config.num_envs, config.seed)
     method = build.make_method(on_host, upomdp)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from regista.experiments.run.progress import count, counted
 
 QUIET_UPDATES = 10  # updates in which no episode ends
-NARROW_UPDATES, NARROW = 5, 0.25  # ratio of the bins of θ covered by levels to those covered by as many random levels
+NARROW_UPDATES, NARROW = 5, 0.25  # bins of θ covered by levels, relative to as many random levels
 INVALID_UPDATES, INVALID = 3, 0.25  # share of invalid proposals
 FORGOTTEN = 0.5  # lost share of the improvement on a test scene
 GAINED = 0.1  # minimum improvement relative to the return
@@ -41,9 +41,9 @@ class Estimate(NamedTuple):
 
 
 class Watch:
-    """Monitors the rows of metrics.csv and reports each event when it starts; it can recur after it has ended.
+    """Monitors the rows of metrics.csv and reports each event when it starts; an event can recur after its end.
 
-    It depends only on these rows, so a resumed run first passes the existing ones to it.
+    Events depend only on these rows, so a resumed run first passes the existing rows to `look`.
 
     Args:
         total: env_steps of the run; None: unknown.
@@ -52,7 +52,7 @@ class Watch:
 
     def __init__(self, total: int | None = None, limit: int | None = None) -> None:
         self.limit, self.learning = limit, Learning(total)
-        self._lasts: dict[tuple[str, str], int] = {}  # number of consecutive updates with this sign
+        self._lasts: dict[tuple[str, str], int] = {}  # number of consecutive updates with a sign
         self._first: dict[str, float] = {}  # first return on a test scene
         self._best: dict[str, Estimate] = {}
         self._forgotten: set[str] = set()
@@ -104,7 +104,7 @@ class Watch:
 
 
 class Learning:
-    """Counts the updates in which each student and teacher took gradient steps; reports too few of them."""
+    """Counts the updates in which each student and teacher took gradient steps, and reports low counts."""
 
     def __init__(self, total: int | None = None) -> None:
         self.total = total
@@ -129,7 +129,7 @@ class Learning:
         return []
 
     def seldom(self) -> Iterator[Event]:
-        """Yield networks that took gradient steps in no update so far, or in few."""
+        """Yield an event for each network that took gradient steps in few or no updates so far."""
         for name, updates in self.updates.items():
             share, seen = self.learned[name] / updates, counted(updates, "update")
             if not share:
@@ -148,7 +148,7 @@ class Averages:
         self.score: dict[str, float] = {}
 
     def add(self, name: str, ratio: float, score: float) -> None:
-        """Add an update; nan: nothing was proposed or scored."""
+        """Add an update; nan: no proposals or scores."""
         for averages, value, first in ((self.ratio, ratio, 1.0), (self.score, score, 0.0)):
             before = averages.setdefault(name, value if value == value else first)
             if value == value:

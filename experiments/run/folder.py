@@ -65,7 +65,7 @@ class RunFolder:
     def create(
         cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None, name: str = ""
     ) -> RunFolder:
-        """Create the folder and write its configuration; `prepare` writes other files first. For `name` see `name`.
+        """Create the folder and write its configuration; `prepare` writes other files first. `name`: see the property.
 
         The configuration comes last, since a folder that has one can be resumed. Raises `CommandError` if the folder
         already holds a run.
@@ -88,7 +88,7 @@ class RunFolder:
             prepare(run)
             run.save_config()
         for name in own_names(config):
-            if not own_code.is_noted(name):  # typed, or named by Python that runs already
+            if not own_code.is_noted(name):  # named on the command line or by running Python code
                 trust.allow(name)
                 trust.remember(name)
         return run
@@ -165,7 +165,7 @@ class RunFolder:
     def removed_if_refused(self) -> Iterator[None]:
         """Remove the files and folders of a new run if an error ends it before its first update.
 
-        Otherwise commands on a folder of runs would find a run without a checkpoint. Files of others stay.
+        Otherwise commands on a folder of runs would find a run without a checkpoint. Other files stay.
         """
         try:
             yield
@@ -173,7 +173,7 @@ class RunFolder:
             if self._made is not None and all(entry.name in UNTRAINED for entry in self.path.iterdir()):
                 for entry in self.path.iterdir():
                     entry.unlink()
-                with suppress(OSError):  # a folder that is not empty
+                with suppress(OSError):  # the folder is not empty
                     for folder in self._made:
                         folder.rmdir()
             raise
@@ -181,7 +181,7 @@ class RunFolder:
     @property
     def argv(self) -> list[str]:
         """Arguments of `regista` that resume the run, in any working directory."""
-        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # from the command line, in no file
+        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # a flag, stored in no file
         typed = ["--grf-python", engine] if engine else []
         return [
             "train",
@@ -207,7 +207,7 @@ class RunFolder:
 
     @property
     def picture(self) -> Path:
-        """The picture of the learning curve; `--format` gives it another ending."""
+        """The picture of the learning curve; `--format` changes its extension."""
         paths = [self.path / f"learning_curve.{kind}" for kind in ("png", "svg", "pdf")]
         return next((path for path in paths if path.exists()), paths[0])
 
@@ -249,7 +249,7 @@ class RunFolder:
         """
         from ued.core import checkpoint
 
-        self.levels.flush()  # first: rows beyond a checkpoint are cut on resume, but missing ones would be lost
+        self.levels.flush()  # first: resuming cuts rows beyond a checkpoint, but cannot restore missing rows
         checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
         self.saved_update = state["update"]
         self._saved_at = time.monotonic()
@@ -321,11 +321,11 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
-ROW_NAME = r"[A-Za-z0-9._+-]{1,60}"  # of a variant: it is part of the name of a folder
+ROW_NAME = r"[A-Za-z0-9._+-]{1,60}"  # of a variant, as part of a folder name
 EVALUATED_ALONE = "it can be evaluated, but not resumed or compared"
 # Files that a folder may hold before training, and settings that may change on resume
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
-COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
+COUNTERS = ("update", "env_steps", "elapsed")  # numbers in a checkpoint
 LARGEST = 10**15  # upper limit of each counter
 MAY_CHANGE = (
     *("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device"),

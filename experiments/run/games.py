@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from regista.minigames.suites import Minigame
     from scenic_lite import Program
 
-COMPILE_SECONDS = 40  # for all kernels, on a slow core
+COMPILE_SECONDS = 40  # approximate time for all kernels, on a slow core
 PROGRAM_WITH_BEHAVIORS = "Buildup"
 
 
@@ -245,7 +245,7 @@ def _single(name: str) -> FootballGame:
 
 
 def all_starts(preset: str = "fast") -> list[Any]:
-    """Return the different settings that the minigames have with a preset, each once."""
+    """Return the distinct settings of all minigames with a preset."""
     from regista.minigames.suites import NAMED
 
     different = {tuple(game.defaults.items()): FootballGame(game, name) for name, game in NAMED.items()}

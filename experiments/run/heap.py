@@ -6,7 +6,7 @@ import ctypes
 
 # Parameters of `mallopt` (malloc.h) and their values in bytes.
 KEEP = {
-    -3: 32 * 2**20,  # M_MMAP_THRESHOLD, from which on a block has its own pages: the largest value allowed
+    -3: 32 * 2**20,  # M_MMAP_THRESHOLD: blocks of at least this size get their own pages; the maximum value
     -1: 2_000_000_000,  # M_TRIM_THRESHOLD: maximum free bytes at the end of the heap; more are returned to the system
     -2: 64 * 2**20,  # M_TOP_PAD: bytes by which the heap grows beyond a request; unused ones take no memory
 }
@@ -15,13 +15,13 @@ KEEP = {
 def keep_freed_memory() -> bool:
     """Make the C library keep freed memory for the next request; return whether it supports this (glibc on Linux).
 
-    By default glibc returns large blocks to the system as soon as they are free. Each operation of torch on a minibatch
-    allocates such blocks for its result and frees its inputs, so the system repeatedly allocates and clears the same
-    pages: 1,000 to 2,500 page faults in an update of PPO on 8,192 steps. In exchange, the process keeps its peak
-    memory, at most 2 GB of it, until it ends.
+    By default glibc returns large blocks to the system as soon as they are free. Each torch operation on a minibatch
+    allocates such blocks for its result and frees its inputs. So the system repeatedly allocates and clears the same
+    pages: a PPO update on 8,192 steps causes 1,000 to 2,500 page faults. The cost of this setting is that the process
+    keeps its peak memory, at most 2 GB of it, until it ends.
     """
     try:
         mallopt = ctypes.CDLL(None).mallopt
-    except (AttributeError, OSError, TypeError):  # another C library; Windows has no library of this process
+    except (AttributeError, OSError, TypeError):  # another C library; on Windows, CDLL(None) fails
         return False
     return 0 not in {mallopt(parameter, value) for parameter, value in KEEP.items()}

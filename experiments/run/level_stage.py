@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from regista.experiments.run.games import Game
 
 Choose = Callable[[Any], Any]  # observations -> actions
-FRAMES_PER_SECOND = 10  # of environments without `render_fps`
+FRAMES_PER_SECOND = 10  # default for environments without `render_fps`
 
 
 class PlayedTask(NamedTuple):
-    """An episode: its steps, return, whether it ended and succeeded, and its frames, if it was filmed."""
+    """An episode: its steps and return, whether it ended and succeeded, and its frames if requested."""
 
     steps: int
     total: float
@@ -43,7 +43,7 @@ class LevelStage:
     Attributes:
         game: the game of the environment.
         env: the vector environment, of size 1.
-        level: the level, a record `[1]`; `visit`: the visit whose random numbers it uses.
+        level: the level, a record `[1]`; `visit`: the visit that determines its random numbers.
         choices: θ `[L, D]` of the levels of a test scene; None: the levels are random.
     """
 
@@ -70,7 +70,7 @@ class LevelStage:
         return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0, theta)
 
     def on_next_level(self, seed: int, episode: int) -> LevelStage:
-        """Return the stage of another episode: a random level of this seed, or the test scene's level `episode`."""
+        """Return the stage of another episode: a random level for this seed, or level `episode` of the test scene."""
         self.env.reset(seed=seed)
         if self.choices is None:
             return replace(self, level=self.env.levels.copy())
@@ -126,11 +126,11 @@ class LevelStage:
 
     @property
     def frames_per_second(self) -> float:
-        """Frames of a film in real time: the environment's `render_fps`, or ten."""
+        """Frame rate for video in real time: the environment's `render_fps`, or ten."""
         return float(self.env.metadata.get("render_fps") or FRAMES_PER_SECOND)
 
     def describe(self) -> str:
-        """Describe the level: its seed, the visit whose random numbers it uses, and the parameters of θ."""
+        """Describe the level: its seed, its visit (which determines random numbers), and the parameters of θ."""
         values = self.env.describe(self.level["theta"])[0]
         spelled = ", ".join(
             f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"

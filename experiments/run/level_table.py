@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 Format = Literal["csv", "parquet"]
-PART_ROWS = 20_000  # of a file of levels.parquet
+PART_ROWS = 20_000  # per file of levels.parquet
 WHOLE = dict.fromkeys(("update", "id", "visit", "parent", "episodes"), "int64") | {"seed": "uint64"}
-DELTAS = ("id", "visit")  # nearly in order: stored as differences
+DELTAS = ("id", "visit")  # nearly sorted columns, stored as differences
 
 
 def read_levels(run: Path, *names: str, rows: np.ndarray | None = None) -> dict[str, np.ndarray]:
@@ -66,7 +66,7 @@ class CsvLevels(Table):
         """Do nothing: all rows are on disk."""
 
     def _add(self, names: Sequence[str]) -> None:
-        """Rewrite the file with these columns, which are more than it has."""
+        """Rewrite the file with these columns, a superset of its own."""
         if not set(self.columns) <= set(names):
             return  # `append_columns` rejects them
         rows, self.columns = read_rows(self.path), list(names)
@@ -82,8 +82,8 @@ class ParquetLevels:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.columns: list[str] = []
-        self._full = 0  # files that are full
-        self._rows: list[pa.Table] = []  # of the file that is not full
+        self._full = 0  # number of full files
+        self._rows: list[pa.Table] = []  # rows of the last file, which is not full
         self._changed = False
         self._begun = False
 
@@ -115,9 +115,9 @@ class ParquetLevels:
         self._rows, self._changed = [rows], False
 
     def until(self, update: int) -> list[tuple[Path, pa.Table | None]]:
-        """Return the files to change to cut the table back to an update, from the last one on: their rows, or None.
+        """Return the changes that cut the table back to an update: the rows of each file, or None, last file first.
 
-        A run does this first. Raises `CommandError` for a damaged file, and without PyArrow.
+        A run calls this before `replace`. Raises `CommandError` for a damaged file, and without PyArrow.
         """
         if not find_spec("pyarrow"):
             raise CommandError("--levels-format parquet needs pyarrow: pip install 'regista[all]'")
@@ -131,7 +131,7 @@ class ParquetLevels:
         return cuts
 
     def replace(self, cuts: Sequence[tuple[Path, pa.Table | None]]) -> None:
-        """Cut the table back, see `until`. After a kill in between, it may have rows beyond the update."""
+        """Cut the table back, see `until`. A kill during this call may leave rows beyond the update."""
         try:
             for path, rows in cuts:
                 path.unlink() if rows is None else write_whole(path, _encoded(rows))

@@ -3,8 +3,8 @@
     regista train grf/empty_goal_close+grf/empty_goal --method plr
     regista train AcademyLadder --method paired
 
-A mixture is written as names joined by +, not as one Scenic program, because a program has the same players in all its
-scenes. Read next: `ued.adapters.mixture`, the environments.
+A mixture is written as names joined by +. It is not one Scenic program, because a program has the same players in all
+of its scenes. Read next: `ued.adapters.mixture`, the environments.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def mixed_task(tasks: Mapping[str, Task]) -> Task:
 
 
 def _mixture(makes: Sequence[Make], names: tuple[str, ...], only: int | None, num_envs: int) -> UPOMDP:
-    """Make the environments of a mixture; with `only`, an index, always that task, for every θ."""
+    """Make the environments of a mixture; with the index `only`, all θ select that task."""
     from ued.adapters.mixture import Mixture
 
     members = [make(num_envs) for make in makes]
@@ -68,8 +68,8 @@ def _painter(painters: Sequence[Any], upomdp: Any) -> MixedPainter:
 class MixedPainter:
     """Painter of the levels of a mixture, a `ued.core.painter.ScenePainter`.
 
-    It has as many points of each class as any of the tasks; unused points of a level are nan. The ball is the focus,
-    since every football game has one.
+    For each class, it has the maximum number of points over the tasks; unused points of a level are nan. The ball is
+    the focus, since every football game has one.
     """
 
     def __init__(self, painters: Sequence[ScenePainter], dims: Sequence[int]) -> None:
@@ -87,7 +87,7 @@ class MixedPainter:
         self.classes = np.repeat(kinds, counts)
         self.focus = len(self.classes) - 1
         starts = np.cumsum([0, *counts])
-        self._slots = [_slots(painter.classes, starts) for painter in painters]  # slots of each task's points
+        self._slots = [_slots(painter.classes, starts) for painter in painters]  # indices of each task's points
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the points in the scenes of θ `[L, 1 + max D]`: `[L, K, 2]` m."""
@@ -108,6 +108,6 @@ class MixedPainter:
 
 
 def _slots(classes: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return the slots of points of these classes, given the first slot of each class in `starts`."""
+    """Return the indices of points of these classes, given the first index of each class in `starts`."""
     rank = [int((classes[:index] == kind).sum()) for index, kind in enumerate(classes)]
     return starts[classes] + rank

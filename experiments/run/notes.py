@@ -12,7 +12,7 @@ from typing import Any
 
 @cache
 def warn(text: str) -> None:
-    """Print a note on stderr unless it was printed already; a program may be compiled several times."""
+    """Print a note on stderr unless it was printed before, since a program may be compiled several times."""
     print(text, file=sys.stderr, flush=True)
 
 

@@ -78,7 +78,7 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
     Raises `CommandError` if a run has started from another student, or with another KL regularizer.
     """
     sources = [of_seed(path, run.config.seed) if path else None for run in runs]
-    begun: dict[Path | None, dict[str, Any]] = {}  # the content of origin.pt of a run that has begun, by source
+    begun: dict[Path | None, dict[str, Any]] = {}  # content of origin.pt of existing runs, by source
     for run, source in zip(runs, sources, strict=True):
         if run.begun():
             begun[source] = _began(run, source, settings)
@@ -107,7 +107,7 @@ def _began(run: RunFolder, source: Path | None, settings: FineTuningConfig) -> d
 
 
 def _check_unchanged(origin: Origin, student: Mapping[str, Any] | None) -> None:
-    """Raise `CommandError` unless `student`, from which other runs started, is the one of the origin now."""
+    """Raise `CommandError` unless the origin still has the `student` from which other runs started."""
     import torch
 
     if student is not None and not all(torch.equal(student[name], now) for name, now in origin.student.items()):
@@ -120,7 +120,7 @@ def _check_unchanged(origin: Origin, student: Mapping[str, Any] | None) -> None:
 def _check_kl(run: RunFolder, state: Mapping[str, Any], settings: FineTuningConfig) -> None:
     """Raise `CommandError` if a run has started with another KL regularizer; older files lack its `kl_share`."""
     coef = state.get("kl_coef")
-    share = state.get("kl_share", settings.kl_share) if coef else settings.kl_share  # without weight, of no effect
+    share = state.get("kl_share", settings.kl_share) if coef else settings.kl_share  # irrelevant without a coefficient
     if (coef, share) != (settings.kl_to_clone, settings.kl_share):
         raise CommandError(
             f"{run.path} started with --kl-to-clone {coef} --kl-share {share}; it cannot continue with "
@@ -145,7 +145,8 @@ def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
 def check(origin: Origin, config: TrainConfig) -> None:
     """Raise `CommandError` if the student has another network, other observations or other control.
 
-    Also if both runs use our simulator in different versions. Warns if they play one program with other parameters.
+    Raises it, too, if the student was trained on another version of our simulator. Warns if both runs play the same
+    program with different parameters.
     """
     if versions.present_version(config) is not None:
         versions.check_present(origin.simulator, f"{origin.path} was trained on", "no run can start from it")

@@ -81,7 +81,7 @@ class Outlook:
             yield f"updates its adversary every {self._or_sooner(levels, own.adversary.min_batch is None)}"
 
     def _or_sooner(self, levels: int, by_budget: bool) -> str:
-        """Describe a number of levels, or the share of the budget if that comes first."""
+        """Describe a number of levels, or the share of the budget if it is reached first."""
         if not by_budget or levels * self.steps <= SHARE * self.config.total_env_steps:
             return counted(levels, "level")
         steps = round(SHARE * self.config.total_env_steps)
@@ -150,7 +150,7 @@ def tell(config: Any, method: Any, say: Any) -> None:
 
 
 def warn_of_annealing(config: Any) -> None:
-    """Warn if the learning rate reaches 0 before the end of the run, as that of a run whose budget was extended."""
+    """Warn if the learning rate reaches 0 before the end of the run, for example in a run whose budget was extended."""
     annealed, total = config.ppo.anneal_env_steps, config.total_env_steps
     if 0 < annealed < total:
         warn(

@@ -16,7 +16,7 @@ from regista.experiments.run.errors import UsageError
 from regista.experiments.run.level_stage import Choose, LevelStage
 from regista.experiments.run.shipped import located
 
-SCRIPTED = ("bot", "random", "idle")  # players of football that are not trained
+SCRIPTED = ("bot", "random", "idle")  # football policies without training
 
 
 class Actor(NamedTuple):
@@ -133,7 +133,7 @@ class MatchStudent:
 
 
 def scripted_player(name: str) -> Actor:
-    """Return one of SCRIPTED, for matches with raw observations."""
+    """Return a policy of SCRIPTED, for matches with raw observations."""
     return Actor(partial(_scripted, name), name)
 
 

@@ -51,7 +51,7 @@ def _load(path: Path, domain: Domain | None, dialect: int | None, settings: Prog
 
 
 def read_params(texts: Sequence[str]) -> dict[str, object]:
-    """Parse global parameters `name=value`: a number, True, False, None, a list of these, or else a string."""
+    """Parse global parameters `name=value`: a number, True, False, None, a list of these, otherwise a string."""
     params: dict[str, object] = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -65,7 +65,7 @@ def read_params(texts: Sequence[str]) -> dict[str, object]:
 
 
 def warn_of_play(program: Program) -> None:
-    """Print warnings about conditions that would stop a match, or prevent all matches: its players, ball, settings."""
+    """Print warnings about players, a ball or settings that would stop a match or prevent all matches."""
     from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
     from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from scenic_lite import ScenicError

@@ -11,15 +11,16 @@ import time
 from collections.abc import Mapping
 from typing import TextIO
 
-PLAIN_SECONDS = 15.0  # between lines without a terminal
+PLAIN_SECONDS = 15.0  # between lines if the output is not a terminal
 REDRAW_SECONDS = 0.1
 BAR = 24  # characters
 
 
 class Progress:
-    """Show the share done, the speed, the remaining time and a few metrics. `begun` steps were done in earlier calls.
+    """Shows the completed share, the speed, the remaining time and a few metrics.
 
-    The clock starts at the first shown steps, so that one-time work such as compilation does not count.
+    `begun` steps were done in earlier calls. The clock starts with the first new steps, so one-time work such as
+    compilation does not count.
     """
 
     def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None, unit: str = "steps") -> None:
@@ -27,11 +28,11 @@ class Progress:
         self.stream = sys.stdout if stream is None else stream
         self.tty = self.stream.isatty()
         self._begun = begun
-        self._start: float | None = None  # None until steps are shown
+        self._start: float | None = None  # None before the first new steps
         self._shown = -PLAIN_SECONDS
 
     def show(self, steps: int, facts: dict[str, float] | None = None) -> None:
-        """Show `steps` of the total with named metrics. Cheap: most calls draw nothing."""
+        """Show `steps` of the total with named metrics. Most calls are cheap and draw nothing."""
         now = time.monotonic()
         if self._start is None and steps > self._begun:
             self._start, self._begun = now, steps
@@ -41,7 +42,7 @@ class Progress:
         self._write(self._line(steps, facts or {}, now))
 
     def say(self, text: str) -> None:
-        """Print a line above the progress line."""
+        """Print a line in place of the progress line, which is redrawn below it."""
         if self.tty:
             self.stream.write("\r\x1b[K")
         self._shown = -PLAIN_SECONDS if self.tty else self._shown

@@ -1,4 +1,4 @@
-"""An adversary's proposals by column of θ, compared with the program's distribution; from the table of a run's levels.
+"""An adversary's proposals by column of θ, compared with the program's distribution; read from a run's levels.
 
 Read next: `commands.inspect`, which prints it; `pictures.level_plots`, which draws it.
 """
@@ -22,15 +22,19 @@ from ued.recorder.shades import unique_names
 
 PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # shares of a run's updates
 DECILES = 10
-AT_ONCE = 32  # columns of θ in memory: a long run has millions of levels with hundreds
+AT_ONCE = 32  # columns of θ in memory, since a long run has millions of levels with hundreds of columns
 
 
 class ColumnOfProposals(NamedTuple):
     """One column of θ, with K values or tenths of its range.
 
-    names: of the values `[K]`; choice: False for tenths of a range; program: shares in random levels `[K]`;
-    proposed: shares in the adversary's levels of each period `[P, K]`, nan without levels; score: mean reward of the
-    adversary (PAIRED: regret) over all levels with the value `[K]`, nan without levels.
+    Attributes:
+        title: name of the column.
+        names: names of the values `[K]`.
+        choice: False for tenths of a range.
+        program: shares in random levels `[K]`.
+        proposed: shares in the adversary's levels of each period `[P, K]`; nan without levels.
+        score: mean reward of the adversary (PAIRED: regret) over all levels with the value `[K]`; nan without levels.
     """
 
     title: str

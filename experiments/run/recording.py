@@ -26,11 +26,11 @@ from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes, titles
 
-MAX_FRAMES = 400  # of the recorded episodes on a level
+MAX_FRAMES = 400  # maximum over all recorded episodes on a level
 
 
 class RunRecorder:
-    """Feed a `CurriculumRecorder` and replays.csv from a method."""
+    """Passes the levels and episodes of a method to a `CurriculumRecorder` and to replays.csv."""
 
     def __init__(self, run: RunFolder, task: Task, method: Any, connect: str | None = None) -> None:
         self.run, config, upomdp = run, run.config, method.upomdp
@@ -112,14 +112,14 @@ class RunRecorder:
 
 
 def endings(replay: Replay, played: Played) -> list[str]:
-    """Return the outcome of each episode in a few words; some are recorded only in part."""
+    """Return the outcome of each episode in a few words, with a mark for partly recorded episodes."""
     lasts = [*(begin - 1 for begin in played.begins[1:]), len(played.frames) - 1]
     whole = sum(last < MAX_FRAMES for last in lasts[: len(played.returns)])
     return [f"return {value:+.2f}" + " (cut off)" * (k >= whole) for k, value in enumerate(replay.returns)]
 
 
 def score_rule(settings: Any) -> str:
-    """Return how a method with these settings scores levels, as `ued.recorder.cards.formula` takes it."""
+    """Return the score rule of a method with these settings, in the form that `ued.recorder.cards.formula` accepts."""
     if isinstance(settings, PairedLiteralConfig):
         return f"dennis2020 {settings.regret}"
     if isinstance(settings, PairedConfig):

@@ -1,4 +1,4 @@
-"""What an environment's `render` returns, as pictures; used by recordings, films and `inspect --png`."""
+"""Rendered frames of environments as pictures, for recordings, videos and `inspect --png`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from regista.experiments.run.errors import CommandError
 from ued.core.upomdp import UPOMDP
 
-BACKGROUND = (128, 128, 128)  # beside pictures smaller than the film
+BACKGROUND = (128, 128, 128)  # around pictures that are smaller than the video
 
 
 def rendered(env: UPOMDP) -> list[np.ndarray] | None:
@@ -52,7 +52,7 @@ def picture(image: Any) -> np.ndarray:
 
 
 def fitted(image: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Return a picture in the size of another, shrunk where it is larger, centered on gray: a film has one size."""
+    """Return a picture in the size of another, as a video requires: shrunk if larger, and centered on gray."""
     if image.shape == like.shape:
         return image
     from PIL import Image, ImageOps

@@ -1,4 +1,4 @@
-"""The episodes behind a level's score, saved in a table of a run, and their replay.
+"""Replays of the episodes that determined a level's score, saved in a table of the run.
 
 A row holds a level with its seed and a student's actions on it. An environment that is reset to that level and steps
 through these actions repeats the same episodes, without the student. Read next: `ued.learning.tape`.
@@ -20,7 +20,7 @@ from ued.core.level_space import level_dtype
 from ued.core.painter import ScenePainter
 from ued.core.upomdp import UPOMDP
 
-MAX_STEPS = 2_000  # of all saved episodes on one level
+MAX_STEPS = 2_000  # total over all saved episodes on one level
 STEP_SECONDS = 0.1  # default of environments without render_fps
 
 
@@ -99,8 +99,8 @@ class Played(NamedTuple):
     """The replayed episodes of a level.
 
     Attributes:
-        frames: of all episodes in sequence, n + 1 for an episode of n steps: positions `[K, 2]` in meters, or images
-            uint8 `[height, width, 3]`; empty if nothing can be shown.
+        frames: frames of all episodes in sequence, n + 1 for an episode of n steps: positions `[K, 2]` in meters, or
+            images uint8 `[height, width, 3]`; empty without a painter and rendered images.
         begins: index of the first frame of each episode.
         returns: returns of the finished episodes `[n]`, n at most the recorded number.
     """
@@ -115,7 +115,7 @@ class Stage:
 
     Attributes:
         env: the environment.
-        painter: returns its points; None: frames are its rendered images, if any.
+        painter: returns the points of a frame; None: frames are rendered images, if any.
         step_seconds: time between two frames.
     """
 
@@ -128,7 +128,7 @@ class Stage:
         self.env.reset_to_levels(replay.level, None, replay.visit)
         frames, begins, returns, total = [self._frame()], [0], list[float](), 0.0
         for action in replay.actions:
-            _, reward, terminated, truncated, _ = self.env.advance(np.asarray(action)[None])  # the last state is shown
+            _, reward, terminated, truncated, _ = self.env.advance(np.asarray(action)[None])  # shows the final state
             total += float(reward[0])
             frames.append(self._frame())
             if terminated[0] or truncated[0]:
@@ -153,13 +153,13 @@ class Stage:
 
 
 def came_out_alike(replay: Replay, returns: np.ndarray) -> bool:
-    """Return whether replayed episodes reproduce the recorded returns `[n]`, as far as actions are saved."""
+    """Return whether replayed episodes reproduce the recorded returns `[n]`, up to the saved actions."""
     whole = len(returns) == len(replay.returns) or len(replay.actions) == MAX_STEPS
     return whole and np.allclose(returns, replay.returns[: len(returns)], atol=1e-6)
 
 
 def _saved_dtype(dtype: np.dtype) -> np.dtype:
-    """Return the dtype of saved actions; indices of discrete actions are small."""
+    """Return the dtype of saved actions; int16 suffices for indices of discrete actions."""
     return np.dtype(np.int16) if dtype.kind in "iu" else dtype
 
 

@@ -48,7 +48,7 @@ class Entry(NamedTuple):
     """One number of a table: `measure` of a method on a scene, "" for all scenes.
 
     `interval` names the estimator of the interval. Without an interval, it is empty and `low` and `high` are nan.
-    `p` of a difference is its p-value, `p_holm` the one after Holm's correction over the table; nan for other numbers.
+    `p` is the p-value of a difference, `p_holm` the p-value after Holm's correction over the table; otherwise nan.
     """
 
     method: str
@@ -74,7 +74,7 @@ class Entry(NamedTuple):
 
 DIFFERENCES = ("return minus first", "mean minus first")  # measures of the first table, and of the second
 OF_RUNS = {"IQM, stratified": "bootstrap over runs and scenes", "P(better)": "Newcombe"}
-OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # rates: Wilson's
+OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # rates have Wilson's interval
 
 
 def entry(method: str, measure: str, scene: str, found: Interval | Difference, runs: int) -> Entry:
@@ -258,7 +258,7 @@ class Report:
             self._save(list(map(asdict, self.levels)), names, folder / "levels.csv")
 
     def save_csv(self, path: Path) -> None:
-        """Write the results as CSV, with the goal rate. Raises `CommandError` if the file cannot be written."""
+        """Write the results as CSV, including the goal rate. Raises `CommandError` if the file cannot be written."""
         rows = [asdict(row) | {"goal_rate": round(row.goal_rate, 6)} for row in self.results]
         self._save(rows, [*(item.name for item in fields(Result)), "goal_rate"], path)
 

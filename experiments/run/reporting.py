@@ -60,10 +60,10 @@ class Reporter(Protocol):
 
 
 class Reporters:
-    """Passes updates to all reporters. A reporter that fails is removed with a message, and training continues.
+    """Passes updates to all reporters. A failed reporter is removed with a message, and training continues.
 
     Args:
-        run: its metrics.csv, levels.csv and events.csv are written first; if that fails, the run ends.
+        run: the run whose metrics.csv, levels.csv and events.csv are written first; an error there ends the run.
         upomdp: the environments.
     """
 
@@ -130,12 +130,12 @@ class Tables:
         if batch is not None:
             facts = batch.facts()
             columns = {"update": np.full(len(batch.theta), update.number), **facts}
-            if len(self.programs) > 1 or "program" in self.run.levels.columns:  # a table of an older version has it
+            if len(self.programs) > 1 or "program" in self.run.levels.columns:  # tables of older versions have it
                 columns["program"] = self.programs[facts["program"]]
             else:
                 del columns["program"]
             columns |= {f"theta/{name}": batch.theta[:, d] for d, name in enumerate(self.names)}
-            self.run.levels.append_levels(columns | batch.outcomes())  # first, since it raises if its columns differ
+            self.run.levels.append_levels(columns | batch.outcomes())  # first, since it raises for other columns
         self.run.metrics.append([update.metrics])
         if update.events:
             self.run.events.append([place | event._asdict() for event in update.events])

@@ -1,9 +1,9 @@
 """Results of evaluations as rows, and their statistics: means with intervals, differences, robustness.
 
-A `Result` is one policy on one scene, a `LevelResult` one policy on random levels. Several runs of a method are several
-rows; their interval resamples whole runs, since each trained policy plays all scenes, and episodes within runs. The
-interval of a single run is over its episodes only and does not cover variation between runs. Fewer than five runs, or
-episodes of a single run, have no interval.
+A `Result` is one policy on one scene, a `LevelResult` one policy on random levels. Each run of a method is a row.
+Intervals over runs resample whole runs, since each trained policy plays all scenes, and episodes within runs. The
+interval of a single run is over its episodes only and does not cover variation between runs. There is no interval for
+fewer than five runs, or fewer than five episodes of a single run.
 Read next: `run.report`, the tables.
 """
 
@@ -35,7 +35,7 @@ class Result:
     return_std: float  # between episodes
     goals: int
     mean_length: float  # steps
-    env_steps: int  # of the training, 0 for a baseline
+    env_steps: int  # of training, 0 for a baseline
     updates: int
 
     @property
@@ -140,7 +140,7 @@ def mean_return(rows: Sequence[Result]) -> Interval:
 
 
 def _is_rate(row: Result) -> bool:
-    """Return whether the mean return is a goal rate: each episode returned 0 or 1, as far as the row tells."""
+    """Return whether the row is consistent with returns of 0 or 1, so that the mean return is a goal rate."""
     rate = row.goals / row.episodes
     return abs(row.mean_return - rate) < 1e-9 and abs(row.return_std**2 - rate * (1 - rate)) < 1e-9
 
@@ -190,7 +190,7 @@ def iqm_score(mine: Scores) -> Interval:
 
 
 def iqm_stratified(mine: Scores) -> Interval:
-    """Estimate the same with rliable's interval, which assumes that a run's scenes are independent."""
+    """Estimate the IQM with rliable's stratified interval, which assumes that a run's scenes are independent."""
     from ued.statistics import stratified
 
     return stratified(mine.rates, _rng())
@@ -205,7 +205,7 @@ def detectable_score(methods: Sequence[Scores]) -> float:
     """Return the smallest difference of means over the scenes that the runs of these methods can detect."""
     from ued.statistics import detectable
 
-    errors = [np.sqrt((mine.errors**2).sum(1)) / mine.errors.shape[1] for mine in methods]  # [R] of a run's mean
+    errors = [np.sqrt((mine.errors**2).sum(1)) / mine.errors.shape[1] for mine in methods]  # [R], of each run's mean
     return detectable([mine.rates.mean(1) for mine in methods], errors)
 
 
@@ -268,7 +268,7 @@ def goal_rates(rows: Sequence[Result] | Sequence[Counted]) -> tuple[np.ndarray, 
     """Return each run's goal rate `[R]` and its standard error `[R]`."""
     episodes = np.array([row.episodes for row in rows])
     rates = np.array([row.goals for row in rows]) / episodes
-    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): zero goals do not give a zero error
+    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): nonzero error for zero goals
     return rates, np.sqrt(likely * (1 - likely) / (episodes + 4))
 
 
@@ -276,7 +276,7 @@ def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
     """Return each run's mean return `[R]` and its standard error `[R]`."""
     values, (_, of_rates) = np.array([row.mean_return for row in rows]), goal_rates(rows)
     errors = np.array([row.return_std / np.sqrt(max(row.episodes - 1, 1)) for row in rows])
-    return values, np.where([_is_rate(row) for row in rows], of_rates, errors)  # equal episodes have an error, too
+    return values, np.where([_is_rate(row) for row in rows], of_rates, errors)  # nonzero error for equal returns
 
 
 def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Difference:
@@ -289,7 +289,7 @@ def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.
 
 
 def _as_share(interval: Interval) -> Interval:
-    """Clip an interval to [0, 1]; nan stays."""
+    """Clip an interval to [0, 1]; nan is unchanged."""
     low, high = np.clip((interval.low, interval.high), 0.0, 1.0)
     return interval._replace(low=float(low), high=float(high))
 

@@ -1,4 +1,4 @@
-"""All runs of a path: the run itself, or those in a folder of runs, such as that of `regista compare`.
+"""All runs of a path: a run folder, or a folder of runs, such as the output of `regista compare`.
 
 Read next: `run.folder`, one run; `commands.evaluate`.
 """
@@ -14,18 +14,18 @@ from regista.experiments.run.folder import MAY_CHANGE, RunFolder
 from regista.experiments.run.notes import warn
 from regista.experiments.run.shipped import located
 
-DEPTH = 2  # levels of folders that are searched: runs/compare-maze/plr-0
+DEPTH = 2  # levels of searched folders: runs/compare-maze/plr-0
 
 
 def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
-    """Return the runs of these paths; runs in a folder by label and seed, without those that have no checkpoint.
+    """Return the runs of these paths; of a folder of runs, those with a checkpoint, by label and seed.
 
-    A path may name a shipped policy. Raises `CommandError` for a path that neither is nor holds a run.
+    A path may name a shipped policy. Raises `CommandError` for a path without runs.
     """
     found: list[RunFolder] = []
     for path in map(located, paths):
         found += [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path)
-    runs = list({run.path.resolve(): run for run in reversed(found)}.values())[::-1]  # each once, where it stands first
+    runs = list({run.path.resolve(): run for run in reversed(found)}.values())[::-1]  # each once, at its last position
     _warn_of_copies(runs)
     return runs
 
@@ -61,7 +61,7 @@ def _below(folder: Path, depth: int) -> Iterator[Path]:
 
 
 def by_game(runs: Sequence[RunFolder]) -> dict[str, list[RunFolder]]:
-    """Return the runs by the name of their game, in the order in which the games first appear."""
+    """Return the runs by the name of their game, in order of first appearance."""
     groups: dict[str, list[RunFolder]] = {}
     for run in runs:
         groups.setdefault(run.config.minigame, []).append(run)

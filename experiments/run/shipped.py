@@ -3,8 +3,8 @@
     regista play --player shipped:maze
     regista evaluate shipped:maze
 
-Each is a run folder without its history: config.json and a checkpoint of the student alone. It is read as any run
-folder, with the same checks. `python -m lab.policies` trains them. Read next: `run.folder`.
+Each is a run folder with only config.json and a checkpoint of the student. It is read like any run folder, with the
+same checks. `python -m lab.policies` trains them. Read next: `run.folder`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def located(word: str | Path) -> Path:
         return Path(word)
     known = names()
     if str(word) not in known:
-        # Compared without the prefix, which makes all names alike.
+        # Compared without the prefix, which would make all names similar.
         near = nearest(str(word).removeprefix(PREFIX), [name.removeprefix(PREFIX) for name in known])
         near = near.replace("mean '", f"mean '{PREFIX}")
         raise UsageError(f"there is no policy {word}{near}; these are shipped: {', '.join(known)}")

@@ -39,7 +39,7 @@ def points(found: Any, mark: str) -> str:
 def difference(found: Any, mark: str, factor: float = 1.0, digits: int = 2) -> str:
     """Return a difference times `factor` with its interval, if known, and its mark.
 
-    An end of an interval that excludes 0 gets as many digits as show it.
+    If the interval excludes 0, its ends have enough digits not to round to 0.
     """
     ends = [factor * value for value in (found.low, found.high)]
     needed = [digits, digits]
@@ -67,7 +67,7 @@ def marks(differences: Sequence[Difference]) -> list[str]:
 
 
 def legend(p_values: Sequence[float]) -> str:
-    """Return the legend of the marks of a table with these p-values, nan if not available; "" without p-values."""
+    """Return the legend of the marks for these p-values, nan if not available; "" without p-values."""
     from ued.statistics import SAMPLES
 
     tests = int(np.isfinite(np.asarray(p_values, float)).sum())
@@ -78,18 +78,18 @@ def legend(p_values: Sequence[float]) -> str:
 
 
 def sentences(*lines: str) -> str:
-    """Return the lines that are not empty as sentences."""
+    """Join the non-empty lines as sentences."""
     return " ".join(f"{line[0].upper()}{line[1:]}." for line in lines if line)
 
 
 def visible(sizes: Sequence[float], counts: Sequence[int], unit: str, by: str = "scene") -> str:
-    """Return the line about differences that are too small to be detected; "" without such a size.
+    """Return a line about the smallest detectable differences; "" if no size is available.
 
     Args:
         sizes: the smallest detectable difference in each column of a table, see `ued.statistics.detectable`.
         counts: runs of each method.
         unit: format of a size, such as "{:.0f} points".
-        by: what the columns are.
+        by: the kind of columns, such as "scene".
     """
     known = [size for size in sizes if size == size]
     if not known:
@@ -100,5 +100,5 @@ def visible(sizes: Sequence[float], counts: Sequence[int], unit: str, by: str = 
 
 
 def spread(counts: Sequence[int]) -> str:
-    """Return how many there are of each, in words: "5", or "4 to 5"."""
+    """Return the range of counts in words: "5", or "4 to 5"."""
     return f"{min(counts)}" if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)}"

@@ -38,7 +38,7 @@ def config_file(argv: Sequence[str]) -> Path | None:
 
 
 def saved_settings(path: Path) -> Any:
-    """Return the settings of a run's config.json, or of the one in a run folder.
+    """Return the settings in a config.json, given by its path or its run folder.
 
     Raises `UsageError` without such a file, `ConfigError` for unknown settings and values of the wrong type.
     """
@@ -70,7 +70,7 @@ def start_of(typed: Mapping[str, Any], minigame: str | None, usual: str) -> tupl
 
 
 def warn_of_origin(typed: Mapping[str, Any]) -> None:
-    """Warn if `--config` names a run that started from a student, and `--from`, which is no setting, is missing."""
+    """Warn if the run of `--config` started from a student but `--from`, which is not a setting, is missing."""
     from ued.core import checkpoint
 
     path = typed.get("config_")

@@ -18,13 +18,13 @@ from ued.core.columns import read_csv
 from ued.core.files import write_whole
 from ued.core.renamed import present_names
 
-DECIMALS = 5  # of other columns given by column
+DECIMALS = 5  # of floats in `append_columns`, except θ
 EXACT = "theta/"  # prefix of columns whose numbers are not rounded
 WORDS = ("source", "program", "event", "text")  # text columns of a run's tables
 
 
 class Table:
-    """Rows of updates: the first column is `update`. Numbers are written without loss.
+    """Rows of updates: the first column is `update`. `append` writes numbers without loss.
 
     The first row determines the columns. Later rows may omit some; a row with a new column rewrites the file once.
     """
@@ -78,7 +78,7 @@ class Table:
         return ",".join(quoted(spell(row.get(name))) for name in self.columns) + "\n"
 
     def replace(self, lines: list[str]) -> None:
-        """Replace the file atomically, so that a kill leaves the old or the new one. Without lines, do nothing."""
+        """Replace the file atomically: after a kill, the old or the new one exists. Without lines, do nothing."""
         if not lines:
             return
         try:
@@ -88,7 +88,7 @@ class Table:
 
 
 def read_header(path: Path) -> list[str]:
-    """Return the names of the columns, empty without a file; old names are converted to present ones."""
+    """Return the names of the columns, empty without a file; old names are converted to current ones."""
     return present_names(next(csv.reader([_lines(path)[0]]), [])) if path.exists() else []
 
 
@@ -134,7 +134,7 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
 
 
 def check_files(folder: Path) -> None:
-    """Raise `CommandError` if a folder holds a pipe or a device, from which reading might never end."""
+    """Raise `CommandError` if a folder holds a pipe or a device, since reading one might block forever."""
     for entry in folder.iterdir() if folder.is_dir() else ():
         if entry.exists() and not entry.is_file() and not entry.is_dir():
             raise CommandError(f"{entry} is damaged: it is not a regular file")

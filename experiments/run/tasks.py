@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ued.core.task import Make, Task
     from ued.core.upomdp import UPOMDP
 
-NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of a task; names of minigames contain no colon
+NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of tasks; names of minigames have no colon
 
 
 class PythonTask:
@@ -153,7 +153,7 @@ def canonical(name: str) -> str:
 
 
 def typed(name: str) -> str:
-    """Return a task's name as it is typed: a built-in name, or the path of its file from the working directory."""
+    """Return a task's name for a command line: a built-in name, or a path relative to the working directory."""
     place, colon, attribute = name.rpartition(":")
     known = [key for key, task in BUILT_IN.items() if task.name == name]
     inside = place.endswith(".py") and Path(place).is_relative_to(Path.cwd())

@@ -48,7 +48,7 @@ class TensorBoard:
 class WeightsAndBiases:
     """A run of the W&B project `regista`; a resumed run keeps its id. `wandb sync` uploads offline data.
 
-    W&B accepts each step once: after a kill, the first log of a repeated step stays.
+    W&B accepts each step once, so it keeps the first log of a step that is repeated after a kill.
     """
 
     def __init__(self, run: RunFolder) -> None:

@@ -1,7 +1,7 @@
 """Rules for running Python code: tasks, scores and networks are code, and an untrusted run folder can name any file.
 
-Code may run if this user names it: on the current command line, from Python, or on an earlier command line on this
-machine, recorded in `$XDG_STATE_HOME/regista/tasks`. Other tasks, named by a run folder, a checkpoint or a comparison,
+Code may run if this user names it on the command line or in Python. Earlier command lines on this machine count, too;
+they are recorded in `$XDG_STATE_HOME/regista/tasks`. Other tasks, named by a run folder, a checkpoint or a comparison,
 are rejected without `--trust`. Names are compared by their resolved file, following links and `..`.
 Read next: `run.tasks`, which checks before it imports anything.
 """
@@ -28,7 +28,7 @@ _all = False  # whether --trust was given
 
 
 class TrustError(CommandError):
-    """Code that only a file names, not the user."""
+    """Only a file names this code, not the user."""
 
 
 @contextmanager
@@ -36,7 +36,7 @@ def of_command(words: Sequence[str]) -> Iterator[list[str]]:
     """Trust the tasks on a command line while it runs; yield its words without `--trust`."""
     global _all, _named
     before = _all, _named
-    typed = {word for word in words if not os.path.isdir(word)}  # the name of a run folder may look like a task
+    typed = {word for word in words if not os.path.isdir(word)}  # the name of a run folder may look like a task's
     _all, _named = _all or FLAG in words, _named | typed
     try:
         yield [word for word in words if word != FLAG]
@@ -65,13 +65,13 @@ def allows(name: str) -> bool:
 
 
 def flags(*names: str) -> list[str]:
-    """Return the flags with which a command in another process trusts the same task, and other code."""
+    """Return the flags that make a command in another process trust the same task and other code."""
     code = [name for name in names if ":" in name]
     return [FLAG] if code and all(map(allows, code)) else []
 
 
 def remember(name: str) -> None:
-    """Record a task that was named and imported, for later commands; ignore errors of the disk."""
+    """Record a task that was named and imported, for later commands; ignore disk errors."""
     if not _is_named(name) or _is_remembered(identity(name)):
         return
     place = _note(identity(name))
@@ -81,7 +81,7 @@ def remember(name: str) -> None:
 
 
 def identity(name: str) -> str:
-    """Return a task's name with its resolved file, the same for all spellings of one task."""
+    """Return a task's name with its resolved file, which is the same for all spellings of a task."""
     file = file_of(name)
     return name if file is None else f"{file}:{name.rpartition(':')[2]}"
 

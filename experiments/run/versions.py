@@ -47,21 +47,22 @@ def stamp(config: Any) -> dict[str, int]:
 
 
 def spelled(version: int | None) -> str:
-    """Return a version as in tables."""
+    """Format a version for tables."""
     return NO_SIMULATOR if version is None else str(version)
 
 
 def check_present(version: int | None, what: str, refused: str) -> None:
-    """Raise `CommandError` unless a version is that of this code.
+    """Raise `CommandError` if a version, unless None, differs from the present one.
 
-    The message is "`what` VERSION; on version PRESENT `refused`": "x was trained on", "it cannot be resumed".
+    The message is "`what` VERSION; on version PRESENT `refused`", for example with what = "x was trained on" and
+    refused = "it cannot be resumed".
     """
     if version not in (None, SIMULATOR_VERSION):
         raise CommandError(f"{what} {simulator_name(version)}; on version {SIMULATOR_VERSION} {refused}")
 
 
 def check_alike(trained: Mapping[Path, int | None]) -> None:
-    """Raise `CommandError` if runs in one table were trained on different versions, given by path."""
+    """Raise `CommandError` if runs in one table, given by path, have different versions; None is ignored."""
     found = {version: path for path, version in trained.items() if version is not None}
     if len(found) > 1:
         named = ", ".join(f"{path} on {simulator_name(version)}" for version, path in found.items())
@@ -69,6 +70,6 @@ def check_alike(trained: Mapping[Path, int | None]) -> None:
 
 
 def warn_of_age(path: Path, version: int | None) -> None:
-    """Warn if a run was trained on another version than that of this code."""
+    """Warn if a run was trained on another version than the present one."""
     if version not in (None, SIMULATOR_VERSION):
         warn(f"warning: {path} was trained on {simulator_name(version)}; this is version {SIMULATOR_VERSION}")

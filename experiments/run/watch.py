@@ -14,12 +14,12 @@ PATIENCE_SECONDS = 3.0  # before progress is shown
 
 
 class Watch:
-    """Counts finished episodes, and shows them on stderr with the remaining time.
+    """Counts finished episodes, and shows their number and the remaining time on stderr.
 
     Args:
         total: maximum number of episodes.
         seconds: time limit after which no new episodes start; None: no limit.
-        unit: what is counted.
+        unit: noun for the counted items.
     """
 
     def __init__(self, total: int, seconds: float | None = None, unit: str = "episode") -> None:
@@ -36,7 +36,7 @@ class Watch:
     def ended(self, count: int) -> None:
         """Add a number of finished episodes."""
         self.done += count
-        if self.seconds is not None:  # as many as fit into the time limit
+        if self.seconds is not None:  # the total is the number that fits into the time limit
             self.total = min(self.most, max(self.done, int(self.seconds * self.done / max(self.spent, 1e-9))))
         if self.spent < PATIENCE_SECONDS:
             return

@@ -27,7 +27,7 @@ ENDINGS = ("scored", "conceded", *(WORDS[end] for end in (OUT_OF_PLAY, POSSESSIO
 
 @dataclass(frozen=True)
 class Episodes:
-    """E episodes of P players, T steps in the longest; row 0 is the start, ended episodes repeat their last state.
+    """E episodes of P players, at most T steps; row 0 is the start, and ended episodes repeat their last state.
 
     Positions are in m, y upwards. `observations` are the inputs of the policy; empty unless saved. For several agents,
     actions and observations have an agent axis, `[E, T, A, ...]`.
@@ -35,11 +35,11 @@ class Episodes:
 
     ball: np.ndarray  # [E, T + 1, 3]
     places: np.ndarray  # [E, T + 1, P, 2]
-    owner: np.ndarray  # [E, T + 1], player as in `state.MATCH_FIELDS`, -1 none
+    owner: np.ndarray  # [E, T + 1], index of the player as in `state.MATCH_FIELDS`, -1 for none
     actions: np.ndarray  # [E, T], NO_ACTION after the end
     observations: np.ndarray  # [E, T, F]
     lengths: np.ndarray  # [E], steps
-    ended: np.ndarray  # [E], as in `constants.RUNNING` ..
+    ended: np.ndarray  # [E], codes as `constants.RUNNING`
     score: np.ndarray  # [E, 2]
     returns: np.ndarray  # [E]
 
@@ -58,19 +58,19 @@ class Episodes:
         return np.where(self.ended == GOAL, goals, words)
 
     def points(self) -> np.ndarray:
-        """Return the positions of all players, then of the ball, in the order of painters: `[E, T + 1, P + 1, 2]` m."""
+        """Return the positions of all players, then the ball, as painters order them: `[E, T + 1, P + 1, 2]` m."""
         return np.concatenate([self.places, self.ball[:, :, None, :2]], axis=2)
 
 
 def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes, row: int) -> SideBySide:
-    """Return episode `row` in both engines, each up to its end, for a recording."""
+    """Return episode `row` in both engines, up to its end in each, for a recording."""
     from regista.experiments.pictures.side_by_side import SideBySide
 
     both = ours, grf
     points = [episodes.points()[row, : episodes.lengths[row] + 1] for episodes in both]
     ends = [str(episodes.endings()[row]) for episodes in both]
     actions = max(both, key=lambda episodes: episodes.lengths[row]).actions[row]
-    actions = actions.reshape(len(actions), -1)[:, 0]  # of the first agent
+    actions = actions.reshape(len(actions), -1)[:, 0]  # the first agent's
     played = actions[actions != NO_ACTION]
     return SideBySide(name, painter, ENGINES, (points[0], points[1]), played, (ends[0], ends[1]))
 
@@ -97,7 +97,7 @@ def play(
 
 
 def play_keys(env: FootballVectorEnv, keys: np.ndarray, levels: np.ndarray) -> Episodes:
-    """Play the same actions `[T]`, or actions by episode `[E, T]`, on each level `[E]`.
+    """Play the given actions on each level `[E]`: the same ones `[T]` on all levels, or `[E, T]` by episode.
 
     For several agents, actions are `[E, T, A]`.
     """
@@ -134,7 +134,7 @@ def _longer(array: np.ndarray, steps: int, filling: float) -> np.ndarray:
 def _play_batch(
     env: FootballVectorEnv, choose: Choose, levels: np.ndarray, steps: int | None, observed: bool
 ) -> Episodes:
-    """Play at most N episodes in parallel; environments without an episode, or with an ended one, idle."""
+    """Play at most N episodes in parallel; environments without a running episode idle."""
     count, n = len(levels), env.num_envs
     observation, _ = env.reset_to_levels(np.resize(levels, n))
     running = np.arange(n) < count

@@ -1,6 +1,6 @@
 """Origin of goals: distance of the last kick and position of the keeper, to reveal exploits.
 
-If nine in ten goals are shot from 35 m past a keeper far off the line, the policy exploits the simulator. Read next:
+Nine in ten goals from 35 m, past a keeper far off the line, indicate that the policy exploits the simulator. Read next:
 `transfer.replaying`, which compares both engines.
 """
 
@@ -18,7 +18,7 @@ from regista.envs.football.kick_off import Roster
 from regista.experiments.transfer.episodes import Episodes
 
 FAR = (11.0, 20.0, 30.0)  # m from the middle of the goal: penalty spot, edge of the box, beyond
-JOLT = 4.0  # m/s, change of the ball's velocity within a step that indicates a touch
+JOLT = 4.0  # m/s, minimum change of the ball's velocity within a step that indicates a touch
 REACH = 2.0  # m, maximum distance of a player who touched the ball
 OUT = (2.0, 5.5, 16.5)  # m from the keeper to the goal line: on it, in the goal area, in the box, beyond
 
@@ -53,7 +53,7 @@ class Goals:
 
 
 def goals_of(episodes: Episodes, roster: Roster) -> Goals:
-    """Find the left team's goals, the last of each episode, and the touch that led to each."""
+    """Find the left team's last goal of each episode, and the touch before it."""
     teams, roles = np.asarray(roster.teams), np.asarray(roster.roles)
     keepers = np.flatnonzero((teams == RIGHT) & (roles == GK))
     rows = np.flatnonzero(episodes.scored)
@@ -68,7 +68,8 @@ def goals_of(episodes: Episodes, roster: Roster) -> Goals:
 def last_kick(episodes: Episodes, row: int, teams: np.ndarray) -> int:
     """Return the step of the left team's last touch in an episode; `teams` `[P]` gives the team of each player.
 
-    A first-time kick never owns the ball, so touches are detected from the ball's change of velocity near a player.
+    After a first-time kick, no player has owned the ball. So a change of the ball's velocity near a player also counts
+    as a touch.
     """
     length = int(episodes.lengths[row])
     owner, ball = episodes.owner[row, : length + 1], episodes.ball[row, : length + 1, :2]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from regista.experiments.pictures.side_by_side import SideBySide
     from regista.experiments.run.folder import RunFolder
 
-SEED = 20_100  # of levels and actions, the same for all runs of a game
+SEED = 20_100  # of levels and actions, equal for all runs of a game
 SLACK = 0.1  # tolerance around the observed range, in a feature's unit
 FAR = 5.0  # standard deviations from the training mean that count as outside of training
 NAMED = 3  # number of features in the report
@@ -67,7 +67,7 @@ class Result:
     policy: str
     ours: dict[str, Any]
     grf: dict[str, Any]
-    leaves_ours: dict[str, Any]  # a Leaving, like leaves_training
+    leaves_ours: dict[str, Any]  # a `Leaving`, as is leaves_training
     leaves_training: dict[str, Any]
 
     @property
@@ -77,8 +77,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Played:
-    """Episodes of one run's policy in both engines; `unit` and `names` belong to the features `[F]`, `mean` and
-    `deviation` to the observation normalizer.
+    """Episodes of one run's policy in both engines.
+
+    `unit` and `names` describe the features `[F]`; `mean` and `deviation` come from the observation normalizer.
     """
 
     ours: Episodes
@@ -99,23 +100,23 @@ class Played:
         }
 
     def leaves_ours(self) -> Leaving:
-        """Return when features are outside their range in our episodes."""
+        """Return when the other engine's features leave their range in our episodes."""
         return leaving(self._outside_ours(), self.names)
 
     def leaves_training(self) -> Leaving:
-        """Return when features also are FAR standard deviations from their training mean."""
+        """Return when features leave our range and are over FAR standard deviations from their training mean."""
         far = np.abs(self.grf.observations - self.mean) > FAR * self.deviation
         return leaving(far & self._outside_ours(), self.names)
 
     def _outside_ours(self) -> np.ndarray:
-        """Return which features of the other engine's episodes are outside of our range: bool, same shape."""
+        """Return whether the other engine's features are outside of their range in our episodes: bool, same shape."""
         seen = self.ours.observations.reshape(-1, len(self.unit))
         low, high = np.nanmin(seen, 0) - SLACK * self.unit, np.nanmax(seen, 0) + SLACK * self.unit
         return (self.grf.observations < low) | (self.grf.observations > high)
 
 
 def leaving(outside: Any, names: Sequence[str]) -> Leaving:
-    """Return when features `[E, T, F]`, for a team `[E, T, A, F]`, first are outside in each episode."""
+    """Return when features are first outside in each episode: bool `[E, T, F]`, for a team `[E, T, A, F]`."""
     outside = outside.reshape(*outside.shape[:2], -1, outside.shape[-1]).any(2)
     at = np.asarray(outside.any(2))
     rows = np.flatnonzero(at.any(1))

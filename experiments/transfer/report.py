@@ -28,7 +28,7 @@ ACTIONS = (
     *("long pass", "high pass", "short pass", "shot", "sprint", "release direction", "release sprint", "slide"),
     *("dribble", "release dribble"),
 )
-SHOWN_ACTIONS = 6  # number of actions shown, those that differ most
+SHOWN_ACTIONS = 6  # number of actions in the report, by difference between engines
 SAMPLES = 4000  # random samples for an interval
 WANTED, LEAST = 0.8, 0.5  # thresholds of the ratio: good and poor transfer
 INTERVALS = (
@@ -78,7 +78,8 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
     """Estimate the goal rate in the other engine divided by ours; nan if no goal was scored in ours.
 
     For one run, each rate is sampled from Jeffreys' posterior over its episodes. For several runs, the ratio of the
-    means is bootstrapped over runs and episodes. Fewer than five runs, or episodes of one run, give no interval.
+    means is bootstrapped over runs and episodes. There is no interval for fewer than five runs, or fewer than five
+    episodes of one run.
     """
     rng = np.random.default_rng(SEED)
     grf, ours = (counts(results, engine) for engine in ("grf", "ours"))
@@ -99,7 +100,7 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
 
 
 def _ratio(rates: np.ndarray) -> float:
-    count = len(rates)  # sums are faster than means, in thousands of calls
+    count = len(rates)  # sums are faster than means, which matters for thousands of calls
     return float(rates[:, 0].sum() / count / max(rates[:, 1].sum() / count, 1e-3))
 
 

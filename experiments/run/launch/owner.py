@@ -1,8 +1,8 @@
 """Ownership of a run folder: a file lock, and a heartbeat file for network disks without working locks.
 
 `owner.json` in the run folder names the owner. A file lock decides between processes on one machine; an owner on
-another machine is valid as long as it updates the file. Times are those of the disk, so clocks of machines do not
-matter. Read next: `run.folder`.
+another machine is valid as long as it updates the file. Times come from the disk, so clocks of machines need not
+agree. Read next: `run.folder`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _held: set[int] = set()  # the locks of this process
 
 
 def _forget_locks() -> None:
-    """Close the locks in a forked process, so that an environment's worker does not outlive the run with its lock."""
+    """Close the locks in a forked process; otherwise an environment's worker could hold a lock after the run's end."""
     for handle in _held:
         os.close(handle)
     _held.clear()
@@ -61,7 +61,7 @@ def owned(folder: Path) -> Iterator[None]:
             ended.set()
             beating.join()
             if _owner(folder) == _myself():
-                with suppress(OSError):  # the next process on this machine takes it over
+                with suppress(OSError):  # on failure, the next process on this machine takes it over
                     (folder / OWNER).unlink()
             with suppress(OSError):  # again, in case the first attempt failed
                 _mine(folder).unlink()

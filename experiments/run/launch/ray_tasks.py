@@ -20,7 +20,7 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.launch.owner import SILENT_SECONDS, BusyError
 
 POLL_SECONDS = 1.0
-RETRIES = 5  # of a run whose worker or node died or was stopped
+RETRIES = 5  # for a run whose worker or node died or was stopped
 
 
 class InterruptedRun(CommandError):
@@ -34,7 +34,7 @@ class RayTasks:
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         import ray
 
-        before = signal.getsignal(signal.SIGTERM)  # our handler; Ray's would exit at once
+        before = signal.getsignal(signal.SIGTERM)  # keep our handler, since Ray's would exit at once
         self._ray: Any = ray
         self._mine = not ray.is_initialized()
         if self._mine:
@@ -70,7 +70,7 @@ class RayTasks:
         return None
 
     def ask(self, active: Mapping[Any, Any]) -> None:
-        """Request tasks to save and end, once, since a second request would kill them."""
+        """Request tasks to save and end, at most once each, since a second request would kill them."""
         for task in active.keys() - self._cancelled:
             self._ray.cancel(task)
         self._cancelled |= active.keys()

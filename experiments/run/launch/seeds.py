@@ -24,7 +24,7 @@ def prepare(
 ) -> list[RunFolder]:
     """Create the missing run folders of each row and seed, and open existing ones, whose settings must match.
 
-    `source` is the run from which students start, or a folder of one run for each seed; None: random students.
+    `source` is the run that initializes students, or a folder of one run for each seed; None: random initialization.
     Raises `CommandError` if `folder` itself is a run.
     """
     if (folder / "config.json").exists():
@@ -39,7 +39,7 @@ def prepare(
 
 
 def opened(folder: Path) -> list[RunFolder]:
-    """Return the runs in a folder made by `prepare`, by seed; an empty list without runs, and for a run folder."""
+    """Return the runs in a folder made by `prepare`, by seed; empty without runs, or if it is a run folder itself."""
     if (folder / "config.json").exists():
         return []
     runs = [RunFolder.open(file.parent) for file in sorted(folder.glob("*-*/config.json"))]
@@ -50,7 +50,7 @@ def opened(folder: Path) -> list[RunFolder]:
 def train_together(runs: Sequence[RunFolder], how: LaunchConfig) -> int:
     """Train the unfinished of these runs in parallel and return the exit code of the command."""
     config = runs[0].config
-    # This compiles the kernels and finds errors of a task, once, before several processes start.
+    # This compiles the kernels and detects errors of the task once, before several processes start.
     build.find_game(config.minigame).task(config)
     with StopRequest() as stop:
         trained = train_unfinished(runs, how, stop)

@@ -97,7 +97,7 @@ _fork = threading.local()  # signals blocked by the forking thread
 
 
 def _hold_signals() -> None:
-    """Block signals between a fork and `_forget_pipe`: they would go to the pipe of the parent process."""
+    """Block signals between a fork and `_forget_pipe`, as they would reach the pipe of the parent process."""
     _fork.blocked = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
 
 
@@ -131,7 +131,7 @@ def watchdog() -> Watchdog:
 def interruptible(for_good: bool = False) -> Iterator[list[int]]:
     """Make a signal raise `Stopped` inside, and a second one end the process; `for_good`: also after the context.
 
-    Yields the received signals, since code on the way out may replace `Stopped` by another error.
+    Yields the received signals, since cleanup code may replace `Stopped` by another error.
     """
     heard: list[int] = []
     watching = watchdog()
@@ -147,7 +147,7 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
         with _handled(stop):
             yield heard
     finally:
-        if not (for_good and heard):  # a constructor that was cut off is deleted with the error, and complains
+        if not (for_good and heard):  # the error deletes interrupted objects, whose destructors may raise
             sys.unraisablehook = hook
         if for_good:  # cleanup at the end of the process is watched too
             with suppress(ValueError):  # no handlers are set in other threads
@@ -157,7 +157,7 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
 
 
 def _stop(number: int, _: FrameType | None) -> None:
-    """Raise `Stopped`; cleanup on its way out has a grace period, see `Watchdog`."""
+    """Raise `Stopped`; cleanup has a grace period, see `Watchdog`."""
     _listen(_leave)
     if number == signal.SIGHUP:
         forget_terminal()
@@ -210,7 +210,7 @@ def held_back() -> Iterator[None]:
 
 
 def forget_terminal() -> None:
-    """Redirect output to the null device, since the terminal or the reader of the pipe has gone."""
+    """Redirect output to the null device, since the terminal or the reader of the pipe is gone."""
     with suppress(OSError), open(os.devnull, "w") as nowhere:
         for stream in (sys.stdout, sys.stderr):
             with suppress(OSError, ValueError):
@@ -218,7 +218,7 @@ def forget_terminal() -> None:
 
 
 def hung_up() -> bool:
-    """Return whether the terminal of stdout or stderr is gone, as an I/O error may also come from a disk."""
+    """Return whether the terminal of stdout or stderr is gone; an I/O error alone may also come from a disk."""
     for number in (1, 2):
         try:
             termios.tcgetattr(number)
@@ -238,7 +238,7 @@ def end_with(parent: int) -> None:
 
 
 class StopRequest:
-    """While entered, the first signal only sets `signal`, so that work can finish. A second Ctrl-C raises."""
+    """While entered, the first signal only sets `signal`, so work can finish. A second Ctrl-C raises `Stopped`."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
@@ -257,7 +257,7 @@ class StopRequest:
 
     @property
     def exit_code(self) -> int:
-        """130 after Ctrl-C, 143 after SIGTERM, 129 after the terminal was closed, 0 without a signal."""
+        """The exit code: 130 after Ctrl-C, 143 after SIGTERM, 129 after the terminal was closed, 0 without a signal."""
         return 0 if self.signal is None else 128 + self.signal
 
     def _ask(self, number: int, frame: FrameType | None) -> None:

@@ -27,8 +27,8 @@ from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
 from regista.experiments.run.progress import Progress, counted
 from ued.config import Checked, most_threads, setting
 
-POLL_SECONDS = 1.0  # between reads of the tables, which take processor time from training
-EXIT_SECONDS = 0.05  # between checks for ended processes, whose core is idle until the next run starts
+POLL_SECONDS = 1.0  # between reads of tables, since reading takes CPU time from training
+EXIT_SECONDS = 0.05  # between checks for ended processes; until then their core is idle
 
 
 class Job(Protocol):
@@ -88,11 +88,11 @@ class LaunchConfig(Checked):
 
 
 def _usable_cores() -> int:
-    """Return the number of cores that this process may use: fewer than the machine has, in a batch job."""
+    """Return the number of cores that this process may use; in a batch job, the machine may have more."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-Over = Callable[[Any], None]  # is called with a run that has finished
+Over = Callable[[Any], None]  # callback for a finished run
 
 
 def _pass(run: Any) -> None:
@@ -102,8 +102,8 @@ def _pass(run: Any) -> None:
 def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest, over: Over = _pass) -> bool:
     """Train the unfinished runs and print the progress; return whether all runs are finished.
 
-    Not all are finished after a stop request, or if only command lines were printed. `over` is called with each run
-    that this call has trained, while others still train.
+    Some are unfinished after a stop request, or if only command lines were printed. `over` is called with each run
+    that this call has trained, while other runs continue.
     """
     unfinished = [run for run in runs if not run.finished()]
     if not unfinished or stop:
@@ -130,12 +130,12 @@ def command_line(run: Job) -> str:
 def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str = "local", over: Over = _pass) -> None:
     """Train these runs, a limited number in parallel; return early after a stop request.
 
-    `over` is called with each trained run. Raises `CommandError` if one fails, after a request to the others to save
-    and end.
+    `over` is called with each trained run. If a run fails, requests the others to save and end, and raises
+    `CommandError`.
     """
     pool = _make_pool(launcher)
     done = {id(run): _trained(run) for run in runs}
-    # The longest first: the last run occupies one core while the others are idle.
+    # The longest runs first, since the last run occupies one core while the others are idle.
     waiting = sorted(runs, key=lambda run: done[id(run)] - run.config.total_env_steps)
     active = dict[Any, Job]()
     progress = Progress(sum(run.config.total_env_steps for run in runs), sum(done.values()))
@@ -159,7 +159,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
     except KeyboardInterrupt:  # the second Ctrl-C
         pool.kill(active)
         raise
-    finally:  # leave no child processes
+    finally:  # end all child processes
         pool.ask(active)
         pool.close(active)
     progress.finish(f"{counted(len(runs), 'run')} trained" if not stop else "stopped")
@@ -197,7 +197,7 @@ class Processes:
             return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
 
     def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:
-        """Wait until a process ends, but only briefly; return the finished processes."""
+        """Wait briefly for a process to end; return the finished processes."""
         until = time.monotonic() + POLL_SECONDS
         while not (over := [process for process in active if process.poll() is not None]):
             if time.monotonic() >= until:
@@ -236,7 +236,7 @@ def _send(active: Collection[subprocess.Popen], number: int) -> None:
 
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool of spawned processes that end with this process; submit work while Ctrl-C is `held_back`.
+    """Yield a pool of spawned processes that end with this process; submit work inside `held_back`.
 
     Raises `CommandError` if one of them is killed; on any error the others are killed too.
     """
