@@ -22,10 +22,11 @@ def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
 
     A path may name a shipped policy. Raises `CommandError` for a path without runs.
     """
-    found: list[RunFolder] = []
+    found: dict[Path, RunFolder] = {}  # each run once, at its first position: the first is the reference of a table
     for path in map(located, paths):
-        found += [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path)
-    runs = list({run.path.resolve(): run for run in reversed(found)}.values())[::-1]  # each once, at its last position
+        for run in [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path):
+            found.setdefault(run.path.resolve(), run)
+    runs = [*found.values()]
     _warn_of_copies(runs)
     return runs
 

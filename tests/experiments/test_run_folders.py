@@ -14,6 +14,7 @@ from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import EvalScenes, check_one_game
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.run_folders import open_runs
 from regista.experiments.run.table import read_rows
 from tests.experiments.test_play_level import TASK
 
@@ -80,6 +81,12 @@ def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys)
     ]
     assert main(["evaluate", str(folder), *BRIEF, "--csv", str(tmp_path / "x.csv")]) == 1
     assert "evaluate them separately" in capsys.readouterr().err
+
+
+def test_a_run_that_is_named_twice_keeps_its_first_position(runs):
+    """The first method is the reference: `evaluate runs/plr-0 runs` compares with PLR."""
+    found = open_runs([runs / "sub" / "plr-0", runs, runs / "dr-1"])
+    assert [run.path.name for run in found] == ["plr-0", "dr-0", "dr-1"]
 
 
 def test_a_run_counts_once_however_often_it_is_named(runs, tmp_path, capsys):
