@@ -75,7 +75,7 @@ class CurriculumFeed(Resumable):
         return super().state_dict() | {"again": _joined(self.again, *self._open.values())}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack the records that were not yet learned from."""
+        """Restore a state returned by `state_dict`; older states lack the records that were not yet learned from."""
         none = np.zeros(0, self.curriculum.dtype)
         super().load_state_dict({"finished": none, "again": none} | state)
         self._open = {}

@@ -111,7 +111,7 @@ class VectorUPOMDP(UPOMDP):
             self._reset(where, values, seeds)
         except LevelError:
             raise
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise self._failed(f"a reset{line_in(self.apply, error)}", where, error) from error
         self._over[where] = False
 
@@ -165,7 +165,7 @@ class VectorUPOMDP(UPOMDP):
             self._begin(np.flatnonzero(self._over))
         try:
             seen, rewards, terminated, truncated, infos = self.vector.step(actions)
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         for name, column in {"rewards": rewards, "terminated": terminated, "truncated": truncated}.items():

@@ -81,7 +81,7 @@ class UniformPolicy(Untrained):
         self.count, self.start, self.agents = int(action_space.n), int(action_space.start), agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
-        """Return one action for each row of `observation` `[N, size]`; of a team `[N, A]`."""
+        """Return one action for each row of `observation` `[N, size]`; for a team `[N, A]`."""
         import torch
 
         return self.start + torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()

@@ -64,7 +64,7 @@ class Steps(NamedTuple):
     action: np.ndarray  # [T, N, A] int64
     log_prob: np.ndarray  # [T, N, A] float32
     value: np.ndarray  # [T, N, A] float32
-    reward: np.ndarray  # [T, N, 1] float32, of opponents [T, N, A]
+    reward: np.ndarray  # [T, N, 1] float32, for opponents [T, N, A]
     terminated: np.ndarray  # [T, N] bool
     truncated: np.ndarray  # [T, N] bool
     final_value: np.ndarray  # [T, N, A] float32

@@ -44,7 +44,7 @@ class Curriculum(Protocol):
         """Return the whole state, from which a curriculum made with the same arguments resumes."""
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned."""
+        """Restore a state returned by `state_dict`."""
 
 
 def need_vector(space: LevelSpace) -> None:

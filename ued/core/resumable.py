@@ -29,9 +29,10 @@ class Resumable:
         return {name: _saved(getattr(self, name)) for name in self.state_fields}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError for other types or shapes, KeyError for missing fields.
+        """Restore a state returned by `state_dict`.
 
-        The first axis of arrays may have another length, since some grow; subclasses check it if it may not.
+        The first axis of arrays may have another length, since some arrays grow; subclasses check it where it may not.
+        Raises ValueError for other types or shapes, KeyError for missing fields.
         """
         for name in self.state_fields:
             value, saved = getattr(self, name), state[name]

@@ -250,7 +250,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         }
 
     def set_level_state(self, state: Any, *names: str) -> None:
-        """Restore what `level_state` returned.
+        """Restore a state returned by `level_state`.
 
         Raises:
             ValueError: unless the state has these entries and `names`, and levels of this dtype for all

@@ -36,7 +36,7 @@ class Demonstrated:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
         mask: bool, like `action`: False for unknown actions; these steps are not used.
-        returns: discounted return from this step on: `[B]` of all agents, or of opponents `[B, A]`.
+        returns: discounted return from this step on: `[B]` of all agents, or for opponents `[B, A]`.
     """
 
     observation: Tensor

@@ -106,7 +106,7 @@ class Adam(torch.optim.Adam):
         return state | {"state": apart}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned, except the settings, which stay those of this optimizer."""
+        """Restore a state returned by `state_dict`, except the settings, which stay those of this optimizer."""
         groups = self.state_dict()["param_groups"]
         undecorated(torch.optim.Adam.load_state_dict)(self, state_dict | {"param_groups": groups})
         self._vectors = None

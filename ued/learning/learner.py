@@ -162,7 +162,7 @@ class Learner:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises `ValueError` for another number of agents."""
+        """Restore a state returned by `state_dict`. Raises `ValueError` for another number of agents."""
         self.check_agents(state)
         self.worker.load_state_dict(state["worker"])
         if self.ppo is not None:

@@ -42,7 +42,7 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
         torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))
         try:
             network = made(space, config)
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
         if not isinstance(network, nn.Module):
             raise OwnCodeError(f"{name}(space, config) must return a torch.nn.Module, got {network!r:.100}")
@@ -62,7 +62,7 @@ def _size(name: str, network: nn.Module, space: Space) -> int:
     try:
         with torch.no_grad():
             features = network(torch.zeros(ROWS, *shape))
-    except Exception as error:  # whatever the user's code raises
+    except Exception as error:  # user code can raise any error
         seen = ", ".join(map(str, ("B", *shape)))
         raise OwnCodeError(f"{name} failed on observations [{seen}]: {type(error).__name__}: {error}") from error
     if (

@@ -172,7 +172,7 @@ class Student(nn.Module):
         return super().load_state_dict(state_dict, strict, assign)
 
     def forward(self, observation: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
-        """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`.
+        """Return the policy and the value `[B]` for observations `[B, size]`; for a team `[B, A]` for `[B, A, size]`.
 
         `past` describes their sequences; without it each observation is the first of an episode.
         """
@@ -218,7 +218,7 @@ class Student(nn.Module):
 
     def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         features, memory = self._critic_features(seen, past)
-        value = self.critic(self.critic_hidden(features))  # [B, 1], of a team [B, A, 1] unless the critic is central
+        value = self.critic(self.critic_hidden(features))  # [B, 1], for a team [B, A, 1] unless the critic is central
         return value.expand(-1, self.agents) if self.central else value.squeeze(-1), memory
 
     @torch.no_grad()
@@ -269,14 +269,14 @@ class Student(nn.Module):
 
     @torch.inference_mode()
     def value(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
-        """Return the value `[B]`, of a team `[B, A]`."""
+        """Return the value `[B]`, for a team `[B, A]`."""
         memory = self.empty_memory(len(observation)) if memory is None else memory
         return self._value(self.normaliser(self._sent(observation)), Past(self._sent(memory)))[0].cpu()
 
     def act(
         self, observation: Tensor, generator: torch.Generator, memory: Tensor | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """Sample actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`.
+        """Sample actions; return them with their log-probabilities and the values: `[B]` each, for a team `[B, A]`.
 
         `memory` is updated in place.
         """

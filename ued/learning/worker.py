@@ -210,7 +210,7 @@ class RolloutWorker(Resumable):
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError for another number of environments."""
+        """Restore a state returned by `state_dict`. Raises ValueError for another number of environments."""
         super().load_state_dict({"memory": self.memory} | state)  # older states have no memory
         for name in ("training", "returns", "lengths", "memory"):
             if len(getattr(self, name)) != self.upomdp.num_envs:

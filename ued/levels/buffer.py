@@ -109,7 +109,7 @@ class LevelBuffer(Resumable):
         return self.replays
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack `replays`, and `solved` of their levels."""
+        """Restore a state returned by `state_dict`; older states lack `replays`, and `solved` of their levels."""
         super().load_state_dict({"replays": False} | state | {"slots": self._with_solved(state["slots"])})
 
     def _with_solved(self, slots: Any) -> Any:

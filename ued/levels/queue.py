@@ -218,7 +218,7 @@ class LevelQueue(Resumable):
         return super().state_dict()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError if its level records have other fields, or if an
+        """Restore a state returned by `state_dict`. Raises ValueError if its level records have other fields, or if an
         environment plays a record that does not exist.
         """
         expected, stored = self.records.dtype.names or (), state["records"].dtype.names or ()

@@ -108,7 +108,7 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
     """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is not a finite number for each level."""
     try:
         found = np.asarray(own(records.copy(), best.copy()))
-    except Exception as error:  # whatever the user's code raises
+    except Exception as error:  # user code can raise any error
         raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
     if found.shape != best.shape or found.dtype.kind not in "biuf" or not np.isfinite(found).all():
         got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{found!r:.100}"

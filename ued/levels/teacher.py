@@ -125,5 +125,5 @@ class Teacher(Resumable):
         return self.budget.allows_lesson(waiting, self.learned_at) if least is None else waiting >= least
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack `learned_at`."""
+        """Restore a state returned by `state_dict`; older states lack `learned_at`."""
         super().load_state_dict({"learned_at": 0} | state)

@@ -30,7 +30,7 @@ class ACCEL(Method):
     """Trains one student on replayed levels, which evolve; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters, or no simplest levels to begin with.
+        ValueError: if the environment has no free parameters, or no simplest levels to begin with.
     """
 
     curriculum: ACCELCurriculum

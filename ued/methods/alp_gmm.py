@@ -36,7 +36,7 @@ class ALPGMM(Method):
     """Trains one student on levels of high learning progress; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     curriculum: ALPGMMCurriculum
@@ -63,7 +63,7 @@ class ALPGMMCurriculum(Resumable):
         seed: for all draws.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")

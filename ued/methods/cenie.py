@@ -39,7 +39,7 @@ class CENIE(Method):
     """Trains one student on replayed levels, by regret and novelty; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
+        ValueError: if the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
             has nothing to edit.
     """
 

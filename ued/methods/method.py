@@ -196,7 +196,7 @@ class Method:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned.
+        """Restore a state returned by `state_dict`.
 
         Raises:
             ValueError: another number of agents.

@@ -24,7 +24,7 @@ class Minimax(Method):
     """Trains one student against an adversary; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     def setup(self, config: MinimaxConfig | None, seed: int) -> None:

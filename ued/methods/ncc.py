@@ -141,7 +141,7 @@ class LearnedBuffer(LevelBuffer):
         return kept
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned.
+        """Restore a state returned by `state_dict`.
 
         Raises:
             ValueError: if y is of another number of levels.

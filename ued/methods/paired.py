@@ -38,7 +38,7 @@ class Paired(Method):
     `roles="dennis2020"`; docs/methods.md compares the roles. The antagonist plays in a copy of the environments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
         NotImplementedError: a scripted antagonist where the environment has none.
     """
 

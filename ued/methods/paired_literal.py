@@ -29,7 +29,7 @@ class PairedLiteral(Method):
     """Trains a protagonist on -regret, an antagonist and an adversary on regret; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters, for normalized rewards, and for opponents, whose
+        ValueError: if the environment has no free parameters, for normalized rewards, and for opponents, whose
             second side has no regret.
     """
 

@@ -27,7 +27,7 @@ class SelfRegret(Method):
     """Trains one student on the levels of an adversary that maximizes self-regret; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     def setup(self, config: SelfRegretConfig | None, seed: int) -> None:
