@@ -1,8 +1,8 @@
 """Checkpoints: the full state of a run in one file, written atomically.
 
-The file is written to a temporary name, synced and renamed. It is read with `weights_only=True`, so a file from a
-stranger cannot execute code. Types that torch does not support there (numpy arrays and integers of more than 64 bits,
-as in generator states) are encoded as tensors, numbers and strings. Read next: `methods`.
+The file is written to a temporary name, synced and renamed. It is read with `weights_only=True`, so an untrusted file
+cannot execute code. Types that torch does not support in this mode (numpy arrays and integers of more than 64 bits, as
+in generator states) are encoded as tensors, numbers and strings. Read next: `methods`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__a
 
 
 class CheckpointError(Exception):
-    """A checkpoint that cannot be written or read; one sentence says why."""
+    """A checkpoint that cannot be written or read; the message gives the reason."""
 
 
 def save(path: str | Path, state: dict[str, Any]) -> None:
-    """Write a checkpoint atomically: `path` holds the old one or the new one.
+    """Write a checkpoint atomically: at any time `path` holds either the old or the new checkpoint.
 
     `state` may hold dicts, lists, tuples, tensors, numpy arrays, numbers, strings and None.
     Raises `CheckpointError` for other types, and if the file cannot be written.

@@ -73,7 +73,7 @@ class Parts(Box):
     def flatten_batch(self, observations: Any) -> np.ndarray:
         """Return observations of N environments, a dict or tuple of arrays `[N, ...]`, as vectors `[N, F]`.
 
-        Raises ValueError for a part that is missing, has another shape, or is no value of its space.
+        Raises ValueError for a part that is missing, has another shape, or is not in its space.
         """
         return self._rows(observations, single=False)
 
