@@ -47,7 +47,7 @@ class NCC(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels drawn from y, candidates, and stale levels; score all; ascend; learn from those drawn from y."""
+        """Play levels from y, candidates and stale levels; score all; ascend; learn from the levels from y."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)
         metrics |= self.learner.learn(self.env_steps)
@@ -59,13 +59,13 @@ class NCC(Method):
 
 
 class NCCCurriculum(Resumable):
-    """Proposes levels from a learned distribution over a buffer. A `Curriculum`.
+    """A `Curriculum` that proposes levels from a learned distribution over a buffer.
 
     Args:
         space: the space of levels.
         config: capacity, score, shares of evaluated levels, and the ascent.
-        seed: for the choice of levels.
-        budget: of the run, which determines when the buffer is ready; see `NCCConfig.min_fill`.
+        seed: seed of the choice of levels.
+        budget: budget of the run, which determines when the buffer is ready; see `NCCConfig.min_fill`.
     """
 
     state_fields = ("buffer", "pool", "rng")
@@ -94,7 +94,7 @@ class NCCCurriculum(Resumable):
         return make_records(self.dtype, self.pool.take(count), Origin.RANDOM)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels, see `levels.scores`; replace those with the lowest scores; ascend once."""
+        """Score the levels, see `levels.scores`; replace the levels with the lowest scores; take one ascent step."""
         self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
         metrics = self.buffer.store(records)
@@ -116,7 +116,7 @@ class LearnedBuffer(LevelBuffer):
         return self.ascent.y
 
     def ascend(self) -> dict[str, float]:
-        """Ascend once; return the expected score, and the number of equally likely levels of the same entropy."""
+        """Take one ascent step; return the expected score and exp(entropy), the effective number of levels."""
         score = self.slots["score"]
         self.ascent.step(score)
         return {"ncc/score": float(self.ascent.y @ score), "ncc/levels": float(np.exp(self.ascent.entropy))}
@@ -124,7 +124,7 @@ class LearnedBuffer(LevelBuffer):
     def stalest(self, dtype: np.dtype, count: int) -> np.ndarray:
         """Return `count` records of the least recently played levels, which then count as played now.
 
-        A buffer of fewer levels repeats them.
+        A buffer with fewer than `count` levels repeats them.
         """
         rows = np.resize(smallest(self.slots["last_played"], count), count)
         self.touch(rows)
@@ -144,7 +144,7 @@ class LearnedBuffer(LevelBuffer):
         """Restore a state returned by `state_dict`.
 
         Raises:
-            ValueError: if y is of another number of levels.
+            ValueError: if y has another number of levels.
         """
         super().load_state_dict(state)
         for name in ("y", "mean", "square"):
