@@ -18,7 +18,7 @@ VALUES = {"value": "mean_value", "positive_advantage": "positive_advantage", "ab
 
 @dataclass(frozen=True)
 class LevelBatch:
-    """The L levels of an update: level records `[L]`, and the names of the students that played them."""
+    """The L levels of an update: level records `[L]`, and the names of their students."""
 
     records: np.ndarray
     students: Sequence[str]
@@ -40,18 +40,18 @@ class LevelBatch:
 
     @property
     def returns(self) -> dict[str, np.ndarray]:
-        """For each student, mean undiscounted return `[L]` over its whole episodes; nan without one."""
+        """For each student, the mean undiscounted return `[L]` over its whole episodes; nan without an episode."""
         return dict(zip(self.students, mean_returns(self.records).T, strict=True))
 
     @property
     def best(self) -> dict[str, np.ndarray]:
-        """For each student, the best of these returns `[L]`."""
+        """For each student, the highest of these returns `[L]`."""
         best = np.fmax.reduce(self.records["returns"], 2)
         return dict(zip(self.students, best.T, strict=True))
 
     @property
     def episodes(self) -> dict[str, np.ndarray]:
-        """For each student, number of these episodes `[L]`."""
+        """For each student, the number of its whole episodes `[L]`."""
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:

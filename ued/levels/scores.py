@@ -1,6 +1,6 @@
 """Scores of levels for a teacher or a buffer, from the results of students.
 
-Returns are undiscounted sums over whole episodes; nan marks an episode that was not played, which means exclude.
+Returns are undiscounted sums over whole episodes; nan marks an episode that was not played, which means exclude it.
 Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose score is regret.
 """
 
@@ -17,7 +17,7 @@ from ued.core.own_code import OwnCodeError, is_name, line_in, load
 from ued.levels.record import NEGATIVE, make_records, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
-REHEARSED = 8  # levels with made-up results, on which a user's score is tried before training
+REHEARSED = 8  # levels with synthetic results, on which a user's score is tested before training
 
 
 def max_mc(records: np.ndarray, best: np.ndarray) -> np.ndarray:
@@ -92,7 +92,7 @@ NEEDS = {
 
 
 def find(rule: str) -> Score:
-    """Return the score of a name: one of `SCORES`, or a function of the user, `module:name` or `file.py:name`.
+    """Return the score function of this name: one of `SCORES`, or user code `module:name` or `file.py:name`.
 
     Raises `OwnCodeError` if the user's function is missing or not callable.
     """
@@ -117,10 +117,10 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
 
 
 def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
-    """Try a user's score on random levels with made-up results, so that its errors are found before training.
+    """Test a user's score on random levels with synthetic results, so that errors are found before training.
 
-    The stream of levels is left as it was. Raises `OwnCodeError` as `find`, and if the score fails, has another shape
-    than the levels, or is not finite.
+    The stream of levels is unchanged. Raises `OwnCodeError` as `find`, and if the score fails, has another shape than
+    the levels, or is not finite.
     """
     if not is_name(rule):
         return
@@ -140,22 +140,22 @@ def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
 
 
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
-    """Return the fields that level records of one student need for a score, beside those that all have.
+    """Return the additional fields that level records of one student need for a score.
 
     best: the highest return ever on the level. For mna also negative_advantage `[1, n]`, the sum over the steps of an
     episode of its maximized negative advantages, which the trainer fills in; and ever_solved: whether an episode on the
     level ever succeeded. Raises `OwnCodeError` as `find`.
     """
-    find(rule)  # so that a missing one raises before training
+    find(rule)  # raises before training if the score is missing
     more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []
     return [("best", np.float64), *more]
 
 
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
-    """Return the score `[L]` of level records by a rule of `SCORES`, or one of the user; see `find`.
+    """Return the score `[L]` of level records by a rule of `SCORES` or by user code; see `find`.
 
-    `best` `[L]` are the highest returns on these levels so far; those of the records are included. Without levels no
-    score of the user is called: `max()` and the like would fail.
+    `best` `[L]` are the highest returns on these levels so far; the returns of the records are included. Without levels
+    the user's score is not called, since functions such as `max()` would fail.
     Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
     """
     if not len(records):
@@ -191,7 +191,7 @@ def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible:
 def population_regret(returns: np.ndarray, rule: str) -> np.ndarray:
     """Return the regret `[L]` of a population of S students, from their returns `[L, S, n]`.
 
-    The maximum (or mean) of the best student minus the mean over all students, none of which is the antagonist (Dennis
+    It is the maximum (or mean) of the best student minus the mean over all students; there is no antagonist (Dennis
     et al. 2020, appendix, "population PAIRED").
     """
     best = (np.nanmax(returns, 2) if rule == "max_mean" else np.nanmean(returns, 2)).max(1)

@@ -36,7 +36,7 @@ FIRST_SCALE = 0.2
 COMPONENTS = len(FIRST_MEANS)
 MOST_MEAN = 1.05  # limit of the absolute value of a mean
 LOG_SCALE_RANGE = (math.log(0.01), math.log(3.0))  # from 2% of [-1, 1] to all of it
-WIDE = 64  # values, above which choices are padded to a common number apart from the others
+WIDE = 64  # choices with more values are padded separately
 SMALL = 1e-9  # minimum density, to keep its logarithm finite
 
 
@@ -52,7 +52,7 @@ class Group(NamedTuple):
     """Choices that are padded to the same number of values.
 
     Attributes:
-        at: `[n]` their places among all choices.
+        at: `[n]` indices among all choices.
         log_weights: `[n, most values]` of the program.
         logits: `[n, most values, H]` A.
         seen: `[n, most values, H]` contribution of a choice to later h.
@@ -65,7 +65,7 @@ class Group(NamedTuple):
 
 
 def _within(raw: Tensor, group: Group) -> Tensor:
-    """Return the indices of values; those of rows whose program has another column here are clamped, and not used."""
+    """Return the indices of values; in rows of other programs they are clamped and not used."""
     return raw.long().clamp(0, group.seen.shape[1] - 1)
 
 
@@ -167,14 +167,14 @@ class ThetaDistribution(nn.Module):
         return self.second(torch.tanh(self.first(z)))  # [B, H], before its tanh
 
     def _groups(self) -> list[Group]:
-        """Return the choices; those with many values are a separate group."""
+        """Return the groups of choices; choices with many values are a separate group."""
         groups = [Group(self.narrow, self.log_weights, self.logits, self.seen)] if len(self.narrow) else []
         if len(self.wide):
             groups.append(Group(self.wide, self.wide_log_weights, self.wide_logits, self.wide_seen))
         return groups
 
     def _each_choice(self, h: Tensor, raw: Tensor) -> Iterator[Tensor]:
-        """Yield the logits `[B, most values]` of each choice; the caller writes the choice into `raw` in between."""
+        """Yield the logits `[B, most values]` of each choice; after each, the caller writes the choice into `raw`."""
         groups = self._groups()
         for j, (column, program, _) in enumerate(self.choices):
             g, i = self.place[j]
