@@ -59,7 +59,7 @@ def categorical_losses(logits: Tensor, value: Tensor, old: Batch, config: PPOCon
 
         A r ([i = a] - p_i), or 0 where the clipped term is the smaller one
 
-    and that of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
+    and the gradient of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
     """
     old_log_prob, _, advantage, _ = old.numbers  # [B] each
     several, share = logits.ndim > value.ndim + 1, 1 / value.numel()
