@@ -29,11 +29,11 @@ class Frontier(UPOMDP):
 
     At each place k of the path one of four actions is correct, the same one on every level. The reward at the end of a
     path of length L is 1 if all L actions were correct, else 0; after a wrong action the episode continues to the end.
-    A student that has learned the first K turns solves every path of length up to K, and a path of length K + 1 with
-    probability 1/4: that is the frontier. Much longer paths give no reward; shorter ones are already solved.
+    A student that has learned the first K turns solves every path of length up to K. It solves a path of length K + 1,
+    the frontier, with probability 1/4. Much longer paths give no reward; shorter paths are already solved.
 
-    The length grows with the largest of the first D - 1 columns of θ, so that a share of (K / longest)^(D - 1) of all
-    levels is no longer than K: short paths are rare. If the last column exceeds `blocked_above`, the path is blocked,
+    The length grows with the largest of the first D - 1 columns of θ. A share of (K / longest)^(D - 1) of all levels is
+    no longer than K, so short paths are rare. If the last column exceeds `blocked_above`, the path is blocked,
     and the reward is always 0; a minimax adversary converges to such levels.
 
     Observation `[longest + 2]`: one-hot of the place, whether an action was wrong, and L / longest. A student that has

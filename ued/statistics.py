@@ -2,8 +2,8 @@
 
 Fewer than `LEAST` values have no interval, and its ends are nan: they are too few to estimate the variance.
 
-In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent:
-resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. The bootstrap of
+In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent.
+Resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. The bootstrap of
 this module resamples a run with all its levels. Read next: the tables in `regista.experiments.run.results`.
 """
 
@@ -175,11 +175,12 @@ def detectable(groups: Sequence[np.ndarray], errors: Sequence[np.ndarray] | None
     """Return the smallest true difference of two methods that these numbers of runs detect: power 80%, level 5%.
 
     It is the sum of two quantiles of Student's t times the standard error of a difference of two means (Bloom 1995).
-    The first, 97.5%, has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
-    of each method by itself; the second, 80%, those of the variance, which is pooled over all groups. The two smallest
-    groups are compared. So the power is that of this module's intervals. For normal runs that differ by this size, the
-    interval excluded 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with a pooled
-    variance would detect slightly smaller differences. A correction for several differences requires larger ones.
+    The 97.5% quantile has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
+    of each method separately. The 80% quantile has those of the variance, which is pooled over all groups. The two
+    smallest groups are compared. So the power is that of this module's intervals. For normal runs that differ by this
+    size, the interval excluded 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with
+    a pooled variance would detect slightly smaller differences. A correction for several differences requires larger
+    ones.
 
     Args:
         groups: values `[R]` of each method's runs; methods with fewer than three runs are ignored.

@@ -115,8 +115,9 @@ exp_at, logistic_at, tanh_at = map(_in_place, (_Lanes.exp, _Lanes.logistic, _Lan
 def _tile(outputs: int) -> Any:
     """Make an intrinsic for a few outputs of a linear layer: y = W x + b.
 
-    Its arguments are: `weights` flat; `row`, the index in it of the first output's row of W; `bias`, the index of its
-    bias; the number of inputs; `x` `[inputs, 16]`; `y` `[outputs, 16]`; and `at`, the index of the first output in y.
+    Its arguments are, in this order: the flat `weights`; `row` and `bias`, the indices in `weights` of the first
+    output's row of W and of its bias; the number of inputs; `x` `[inputs, 16]`; `y` `[outputs, 16]`; and `at`, the
+    index of the first output in y.
     """
 
     @intrinsic

@@ -1,7 +1,7 @@
 """Arguments of a simulator that plays whole rollouts in one kernel: plain records of arrays.
 
 A rollout in Python calls the network and the environments once per step. For small networks and fast simulators these
-calls take most of the time. `UPOMDP.play` takes a `CompiledRollout` instead and plays many steps in one call: it acts,
+calls take most of the time. `UPOMDP.play` takes a `CompiledRollout` instead and plays many steps in one call. It acts,
 steps, records the results, and starts the next episodes on the levels passed to it. It returns when it needs another
 level. `regista.kernels.rollout` has kernels for all of this except the step.
 

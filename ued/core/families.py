@@ -56,8 +56,8 @@ class LevelBuilder(Protocol):
     """The steps in which an adversary builds levels, for n levels at a time (Dennis et al. 2020, section 5).
 
     Levels under construction are one object of any type, which `apply` may change in place. All randomness must follow
-    from a level's luck: the adversary stores the luck and the actions of a level, and rebuilds the level when its score
-    is available.
+    from a level's luck. The adversary stores only the luck and the actions of a level, and rebuilds the level when its
+    score is available.
 
     Attributes:
         steps: number of steps K, the same for all levels.

@@ -17,8 +17,8 @@ NUMBER, WHOLE = "a number", "an integer"
 class Resumable:
     """An object whose mutable attributes are listed in `state_fields`.
 
-    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own;
-    `optional_fields` holds the types of those that may be None.
+    They may be numbers, arrays, generators of numpy or torch, and objects with their own `state_dict`.
+    `optional_fields` holds the types of attributes that may be None.
     """
 
     state_fields: tuple[str, ...] = ()

@@ -1,7 +1,7 @@
 """The interface of environments and methods: an under-specified POMDP as a Gymnasium vector environment.
 
 A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that are set from outside. θ is a row of
-[-1, 1]^D, a *level* is a record (program, seed, θ), and N environments play N levels at a time. The training method
+[-1, 1]^D. A *level* is a record (program, seed, θ). N environments play N levels at a time. The training method
 chooses the next level; until it does, an environment repeats its level.
 
 Every episode of a level starts from the same layout, which follows from the level alone. Episodes differ by luck, whose
@@ -88,9 +88,9 @@ class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
     Subclasses call `__init__` and define `_start` and `_advance`; they may define `valid`, `describe`, `get_state` and
-    `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`):
-    `info["final_obs"]` holds the last observations of ended episodes, dense `[N, ...]`, `info["_final_obs"]` `[N]` is
-    the mask of its valid rows, and `info["final_info"]` is the info of that step. A trainer that chooses levels calls
+    `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`).
+    `info["final_obs"]`, dense `[N, ...]`, then holds the last observations of ended episodes. `info["_final_obs"]`
+    `[N]` masks its valid rows; `info["final_info"]` is the info of that step. A trainer that chooses levels calls
     `advance`, which restarts nothing, and then `reset_to_levels` or `play_again`: one reset per episode. An environment
     reports the success of ended episodes in `info["success"]` `[N]`: 1, 0, or NaN if unknown. Without it a return above
     0 is a success; see `successes`.
@@ -292,9 +292,9 @@ class UPOMDP(LevelSpace, VectorEnv):
     ) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
-        `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode;
-        the same level, visit and episode have the same luck in every environment. An invalid level is replaced by a
-        random valid one: `info["replaced"]` `[k]` is the mask of these, `info["levels"]` `[k]` the levels played.
+        `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode.
+        The same level, visit and episode have the same luck in every environment. An invalid level is replaced by a
+        random valid level. `info["replaced"]` `[k]` masks the replaced levels; `info["levels"]` `[k]` were played.
 
         Returns:
             the observations of all N environments, and infos.

@@ -1,6 +1,6 @@
 """Adam (Kingma and Ba 2015) on all weights of a network at once, in a quarter of the time of torch's fused Adam.
 
-It saves 0.3 ms of each gradient step of PPO with two hidden layers of 64 units, on one CPU core: for such networks
+It saves 0.3 ms of each gradient step of PPO with two hidden layers of 64 units, on one CPU core. For such networks,
 torch's Python code around its kernel takes longer than the kernel. Weights, checkpoints and results equal those of
 `torch.optim.Adam(fused=True)`, a valid replacement. Read next: `learning.ppo` and `levels.adversary`, which use it.
 """

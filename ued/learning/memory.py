@@ -1,7 +1,7 @@
 """The memory of a student within an episode: none, or a GRU.
 
 Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
-heads. It has the size of its state per environment (`width`, 0 without memory), and determines the sequences of
+heads. Its `width` is the size of its state per environment (0 without memory). It also determines the sequences of
 minibatches: single steps, or the sequences that backpropagation through time needs.
 Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.
 """
@@ -54,9 +54,8 @@ class NoMemory(nn.Module):
 class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
-    Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
-    from the states at their first steps; see `Batch.add_memories`. The GRU has `size` units and, by default, as many
-    inputs.
+    Backpropagation through time covers a whole rollout or pieces of it, each from the state at its first step; see
+    `Batch.add_memories`. The GRU has `size` units and, by default, as many inputs.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team, inputs: int | None = None) -> None:

@@ -23,8 +23,8 @@ from ued.learning.student import Student
 class Batch:
     """The steps of a rollout, one row each; `[B, A, ...]` for A agents.
 
-    A minibatch of sequences holds the observations of the steps to learn from and of those before them in their
-    episodes, and the other columns of the steps to learn from.
+    A minibatch of sequences holds the observations of training steps and of the steps before them in their episodes.
+    It holds the other columns of training steps only.
     """
 
     past: Past  # the sequences of the rows; before the split into minibatches, its memory is [pieces, N, W]

@@ -1,8 +1,8 @@
 """A student: policy, values, normalization of observations, and conversion of actions.
 
 It controls all agents of an environment: one, or a team of A, whose observations, actions and values have an axis of
-agents. A team has a policy for each agent, or a shared one that observes the index of the agent; its critic sees the
-observation of each agent, or those of all (MAPPO, Yu et al. 2022).
+agents. A team has a policy for each agent, or a shared policy that observes the index of the agent. Its critic observes
+one agent, or all agents (MAPPO, Yu et al. 2022).
 
 Its memory within an episode is empty or a GRU. The caller stores the state of the memory, a row of `memory_width`
 numbers for each environment, and sets it to 0 where an episode starts; see `learning.memory`.

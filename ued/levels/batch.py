@@ -71,8 +71,8 @@ class LevelBatch:
         """Return the results of students on each level, by name `[L]`, and its score.
 
         return, best, success: of each student, over its episodes. Methods whose scores may use values, such as PLR, add
-        best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0), |A| and the sum
-        that the score mna needs. CENIE adds the novelty, nan before the first mixture.
+        more columns: best_ever, the highest return ever on the level, and means over episodes. These are the means of
+        V, max(A, 0), |A| and the sum that the score mna needs. CENIE adds the novelty, nan before the first mixture.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}

@@ -6,7 +6,7 @@
     the finished levels are played; the reward of the last step is their score
 
 So the adversary is a student whose episodes are levels. As in DCD (`MultigridNetwork`), it observes the step number as
-a one-hot vector. Two things differ from DCD: z is drawn once per level instead of at each step, and the network is
+a one-hot vector. Two things differ from DCD. z is drawn once per level instead of at each step. The network is
 feed-forward by default, since an action depends only on the level so far and the step.
 
 Scores arrive later, in any order, and some never arrive. So a proposal stores the data of its update: z, luck, actions,

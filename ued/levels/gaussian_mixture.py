@@ -4,8 +4,9 @@ The algorithm is that of scikit-learn, where many small calls per Gaussian domin
 densities are quadratic forms of a row, and moments are sums over rows. So both are single matrix products, given the
 precomputed products of each row's entries.
 
-Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns; otherwise they would
-be singular, and diagonal covariances are used (scikit-learn's "diag"), which need D instead of D² products of a row.
+Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns. Otherwise full
+covariances would be singular, and diagonal ones are used (scikit-learn's "diag"). They need D instead of D² products of
+a row.
 Read next: `methods.alp_gmm`.
 """
 

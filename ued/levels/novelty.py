@@ -161,8 +161,8 @@ def state_actions(rollout: Rollout, choices: np.ndarray, rows: Tensor | None = N
 def silhouette(rows: np.ndarray, labels: np.ndarray) -> float:
     """Return the mean silhouette of rows `[n, D]` in clusters `labels` `[n]` (Rousseeuw 1987); -1 for one cluster.
 
-    The silhouette of a row is (b - a) / max(a, b), with a the mean distance to its own cluster and b that to the
-    nearest other one; 0 for a cluster of one row.
+    The silhouette of a row is (b - a) / max(a, b); it is 0 for a cluster of one row. a is the mean distance to its
+    own cluster, b the mean distance to the nearest other cluster.
     """
     _, which, sizes = np.unique(labels, return_inverse=True, return_counts=True)
     if len(sizes) < 2:

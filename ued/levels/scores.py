@@ -53,9 +53,9 @@ def generalized_learnability(records: np.ndarray, best: np.ndarray) -> np.ndarra
     """Return learnability for returns that are not binary `[L]` (Monette et al. 2025, "generalised learnability").
 
     It is the standard deviation of a level's returns, times the normal density of their mean among the means of all L
-    levels: a level scores high if its returns vary and their mean is typical. The density is scaled to at most 1, so
-    levels with equal means have a score; as in `learnability`, the variance is unbiased. Adding a constant to all
-    returns changes no score, and a factor scales all. The density uses the standard deviation of the means; the
+    levels. So the score is high if the returns vary and their mean is typical. The density is scaled to at most 1, so
+    levels with equal means have a score. As in `learnability`, the variance is unbiased. Adding a constant to all
+    returns changes no score; a factor scales all scores. The density uses the standard deviation of the means; the
     authors' code uses their variance, which depends on the unit of returns.
     """
     returns = records["returns"][:, 0]
@@ -142,9 +142,9 @@ def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
     """Return the additional fields that level records of one student need for a score.
 
-    best: the highest return ever on the level. For mna also negative_advantage `[1, n]`, the sum over the steps of an
-    episode of its maximized negative advantages, which the trainer fills in; and ever_solved: whether an episode on the
-    level ever succeeded. Raises `OwnCodeError` as `find`.
+    best: the highest return ever on the level. The score mna needs two more fields. negative_advantage `[1, n]`: the
+    sum of the maximized negative advantages over the steps of an episode, which the trainer fills in. ever_solved:
+    whether an episode on the level ever succeeded. Raises `OwnCodeError` as `find`.
     """
     find(rule)  # raises before training if the score is missing
     more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []

@@ -6,9 +6,9 @@
 
 A choice is a column with a few values: `Uniform`, `Discrete`, an integer, the program of a mixture. Its categorical
 distribution is initialized with the program's weights, so the position of an option in the list does not matter. A
-real number has COMPONENTS bumps, logistic distributions truncated to [-1, 1], initially nearly uniform in sum; the
-shares can move mass to a distant bump directly, and the distribution can stay multimodal. A_j and the output weights
-for shares, means and scales are initialized with 0.
+real number has COMPONENTS bumps: logistic distributions truncated to [-1, 1], whose sum is initially nearly uniform.
+The shares can move mass to a distant bump directly, and the distribution can stay multimodal. A_j and the output
+weights for shares, means and scales are initialized with 0.
 
 Log-densities are relative to the program's: log pi(θ) / pi_0(θ), where pi_0 is domain randomization, uniform in θ. So
 they are initially 0, and their negative mean is -KL(pi, pi_0) ≤ 0 for every kind of column.
@@ -82,8 +82,8 @@ def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Par
 class ThetaDistribution(nn.Module):
     """z `[B, Z]` -> a distribution over θ for each row, and the expected score.
 
-    A sample `raw` `[B, D]` holds θ itself for real columns and the index of the value for choices; 0 for columns that
-    the chosen program of a mixture does not have.
+    A sample `raw` `[B, D]` holds θ itself for real columns and the index of the value for choices. It is 0 in columns
+    that the chosen program of a mixture does not have.
 
     Args:
         draws, program_parameters: the columns of θ, see `layout`.

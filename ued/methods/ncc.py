@@ -1,4 +1,4 @@
-"""NCC (Monette et al. 2025): gradient ascent learns a distribution y over a buffer of levels, on a budget.
+"""NCC (Monette et al. 2025): gradient ascent learns a distribution y over a buffer of levels, on a step budget.
 
     fill a buffer with random levels; y is uniform
     repeat
@@ -11,10 +11,10 @@ this implementation, a level keeps its score until it is played again. Levels dr
 that the student learns from. A share of further levels is only evaluated: random candidates, and the levels of the
 buffer with the oldest scores. All steps count.
 
-Other differences: the student learns from the first levels while they fill the buffer; PPO uses Adam, the paper TiAda;
-a level is drawn from the y of the last update; step size and smallest probability are relative to the size of the
-buffer. A level that enters the buffer has the y of the level that it replaces, as in the authors' code. Read next:
-`levels.simplex`, then `methods.alp_gmm`.
+There are four other differences. The student learns from the first levels while they fill the buffer. PPO uses Adam
+instead of TiAda. A level is drawn from the y of the last update. Step size and smallest probability are relative to the
+size of the buffer. A level that enters the buffer has the y of the level that it replaces, as in the authors' code.
+Read next: `levels.simplex`, then `methods.alp_gmm`.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@
         the adversary learns with reward regret, the antagonist with regret, the protagonist with -regret
 
 It is a baseline for `methods.paired`. Students need the regret when they learn, so each level is played within one
-rollout, which should be long enough for its episodes: levels that are not finished in time are dropped.
+rollout. Rollouts should be long enough for the episodes of a level: levels that are not finished in time are dropped.
 Read next: `methods.repaired`.
 """
 
