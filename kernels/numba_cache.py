@@ -107,7 +107,7 @@ class KernelCache(FunctionCache):
     _stamped = False
 
     def _stamp(self) -> None:
-        """Stamp a kernel outside Regista at its first use: its callees may be defined after it."""
+        """Stamp a kernel outside Regista at its first use, since its callees may be defined after it."""
         this: Any = self
         if not self._stamped and not isinstance(this._impl.locator, _PlaceWithin):
             this._cache_file._source_stamp = (this._cache_file._source_stamp, stamp_of(this._py_func))

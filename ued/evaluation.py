@@ -1,6 +1,6 @@
 """Evaluate a student on levels: a fixed list of whole episodes, all played to the end.
 
-Counting the episodes that end within a number of steps would overcount short ones. So the list of episodes is fixed
+Counting the episodes that end within a number of steps would overcount short episodes. So the list of episodes is fixed
 first, and each environment takes the next one when its episode ends. Read next: `statistics`, for confidence intervals.
 """
 

@@ -18,7 +18,7 @@ import numpy as np
 LEAST = 5  # values that an interval needs: runs, or episodes of a single run
 # Draws of a bootstrap of the mean: with 4,000 draws, p-values close to 5% would depend on the random seed.
 SAMPLES = 100_000
-SAMPLES_OF_OTHERS = 4_000  # of statistics other than the mean, which are computed one draw at a time
+SAMPLES_OF_OTHERS = 4_000  # draws of statistics other than the mean, which are computed one draw at a time
 Z = 1.959964  # normal quantile of a 95% interval
 POWER_Z = 0.841621  # normal quantile of a power of 80%
 
@@ -157,7 +157,7 @@ def _means(
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Return adjusted p-values of a family of tests (Holm 1979): one that is at most 5% is significant.
+    """Return adjusted p-values of a family of tests (Holm 1979): a value of at most 5% is significant.
 
     The probability of rejecting any true null hypothesis is then at most 5% under any dependence of the tests, which
     share the runs of a reference. A nan is not a test: it is returned as it is and not counted.
@@ -280,7 +280,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
             f"cvar needs values, as many ranks and a share in (0, 1], got {len(array)}, {len(rank)} and {share}"
         )
     _, tie, sizes = np.unique(rank, return_inverse=True, return_counts=True)
-    before = np.cumsum(sizes) - sizes  # values that are worse than those of this rank
+    before = np.cumsum(sizes) - sizes  # number of values that are worse than the values of this rank
     weights = (np.clip(share * len(array) - before, 0.0, sizes) / sizes)[tie.ravel()]
     return float((weights * array).sum() / weights.sum())
 

@@ -130,7 +130,7 @@ class UPOMDPWrapper(LevelSpace, LevelEnv, gymnasium.utils.RecordConstructorArgs)
         return self._play(options or {})
 
     def _play(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Start an episode of the present level."""
+        """Start an episode of the current level."""
         (seed,), (theta,) = self.level["seed"].tolist(), self.level["theta"]
         luck = luck_seed(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
         observation, info = self.begin(Start(theta.copy(), seed, luck), options)
@@ -233,7 +233,7 @@ class GymUPOMDP(UPOMDP):
         self.metadata = {**self.metadata, "render_modes": self.vector.metadata.get("render_modes", [])}
         if "render_fps" in self.vector.metadata:
             self.metadata["render_fps"] = self.vector.metadata["render_fps"]
-        self._observations: Any = None  # until the first reset
+        self._observations: Any = None  # None until the first reset
         self._going_on = np.zeros(num_envs, bool)
 
     def _vectorize(self, num_envs: int) -> Any:
@@ -294,7 +294,7 @@ class GymUPOMDP(UPOMDP):
         raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
 
     def _success(self, infos: Mapping[str, Any]) -> np.ndarray:
-        """Return `info["success"]` `[N]` from the infos of the environments, NaN where one does not report it."""
+        """Return `info["success"]` `[N]` from the infos of the environments, NaN if an environment reports none."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
             if name in infos:

@@ -121,7 +121,7 @@ def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
 
 
 def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
-    """Raise `ValueError` for an invalid `luck`, or one that contradicts `seed_episodes`."""
+    """Raise `ValueError` if `luck` is invalid or contradicts `seed_episodes`."""
     if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
         raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
     if luck is True and seed_episodes is False:

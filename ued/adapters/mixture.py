@@ -59,7 +59,7 @@ class Mixture(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The largest limit of the programs; None unless all of them have one."""
+        """The largest limit of the programs; None unless all programs have a limit."""
         limits = [member.max_episode_steps for member in self.members]
         return None if None in limits else max(limit for limit in limits if limit is not None)
 
@@ -196,7 +196,7 @@ class Mixture(UPOMDP):
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> Mixture:
-        """Return a mixture of the same programs with `num_envs` environments, not yet reset; members need `resized`."""
+        """Return a mixture of the same programs with `num_envs` environments, not yet reset, by members' `resized`."""
         members: list[Any] = list(self.members)
         return Mixture([member.resized(num_envs) for member in members], self.program_names, self.only)
 

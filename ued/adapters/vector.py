@@ -255,7 +255,7 @@ class VectorUPOMDP(UPOMDP):
 
 
 def _mode_of(vector: Any, num_envs: int) -> AutoresetMode:
-    """Return the autoreset mode of a vector environment. Raises `ValueError` for one that cannot play levels."""
+    """Return the autoreset mode of a vector environment. Raises `ValueError` if the environment cannot play levels."""
     if not isinstance(vector, VectorEnv):
         raise ValueError(f"make_vector({num_envs}) must return a gymnasium.vector.VectorEnv, got {vector!r}")
     if vector.num_envs != num_envs:

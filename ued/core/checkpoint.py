@@ -114,7 +114,7 @@ def encode(value: Any, where: str = "state") -> Any:
 
 
 def decode(value: Any) -> Any:
-    """Decode the output of `encode`; old names of keys and fields become the present ones, see `renamed`."""
+    """Decode the output of `encode`; old names of keys and fields become the current names, see `renamed`."""
     if isinstance(value, list):
         return [decode(item) for item in value]
     if not isinstance(value, dict):
@@ -143,7 +143,7 @@ def _encode_array(array: np.ndarray, where: str) -> dict[str, Any]:
 
 
 def _decode_array(value: dict[str, Any]) -> np.ndarray:
-    described = ast.literal_eval(value["dtype"])  # in older checkpoints a dictionary
+    described = ast.literal_eval(value["dtype"])  # older checkpoints hold a dictionary
     dtype = np.dtype(described) if "names" in described else np.lib.format.descr_to_dtype(described)
     return present_fields(np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy())
 

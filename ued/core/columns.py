@@ -30,7 +30,7 @@ def every(name: str) -> bool:
 
 
 def read_csv(path: Path, wanted: Wanted = every, words: Collection[str] = ()) -> Columns:
-    """Return the wanted columns of a CSV file, `[R]` each, by their present names.
+    """Return the wanted columns of a CSV file, `[R]` each, by their current names.
 
     Numbers are float64, nan for empty cells; the columns in `words` are strings. A last line without its newline is
     skipped. Raises `ValueError` for a damaged file: not text, a wrong number of cells, cells that are not numbers.

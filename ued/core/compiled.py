@@ -32,7 +32,7 @@ COUNTERS = np.dtype(
 
 
 class Network(NamedTuple):
-    """Weights of one network, or of one for each policy, and its layers: `kernels.rollout.network` runs it.
+    """Weights and layers of a network, or of one network for each policy: `kernels.rollout.network` runs it.
 
     Without layers the critic is part of the actor, whose last output is then the value.
     """
@@ -110,7 +110,7 @@ class Events(NamedTuple):
 
     step: np.ndarray  # int64
     env: np.ndarray  # int64
-    left: np.ndarray  # int64, episodes left on the level, this one included
+    left: np.ndarray  # int64, episodes left on the level, including this episode
     returns: np.ndarray  # float64
     length: np.ndarray  # int64
     success: np.ndarray  # float64

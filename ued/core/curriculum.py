@@ -48,7 +48,7 @@ class Curriculum(Protocol):
 
 
 def need_vector(space: LevelSpace) -> None:
-    """Raise `ValueError` for a space without a vector θ of numbers: one without parameters, or a family of levels."""
+    """Raise `ValueError` for a space without a vector θ of numbers: no parameters, or a family of levels."""
     if not space.theta_dim:
         raise ValueError("the environment has no free parameters for a curriculum to choose; use dr")
     if space.level_family is not None:

@@ -63,7 +63,7 @@ def permit(name: str) -> None:
 
 
 def check(name: str) -> None:
-    """Raise the error of the last one of `checks` for code that a file names and that may not run."""
+    """Raise the error of the last of `checks` for code that a file names and that may not run."""
     if is_noted(name):
         checks[-1](canonical(name))
 

@@ -150,7 +150,7 @@ class UPOMDP(LevelSpace, VectorEnv):
 
     @property
     def supports_state(self) -> bool:
-        """Whether a checkpoint can hold what `get_state` returns; otherwise a resumed run restarts open episodes."""
+        """Whether a checkpoint can hold the result of `get_state`; otherwise a resumed run restarts open episodes."""
         return type(self).get_state is not UPOMDP.get_state
 
     @property
@@ -178,7 +178,7 @@ class UPOMDP(LevelSpace, VectorEnv):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         """Start an episode of `levels` `[k]` in the environments `where` (indices `[k]`); return all observations.
 
-        Random numbers of the layout come from the level's seed, those of luck from `luck_seeds(where)`.
+        Random numbers of the layout come from the level's seed, random numbers of luck from `luck_seeds(where)`.
         """
 
     @abstractmethod
@@ -390,7 +390,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset_to_levels(levels, where)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all environments; an environment whose episode ended starts its next one (see the class).
+        """Step all environments; an environment whose episode ended starts its next episode (see the class).
 
         Returns:
             observations, rewards, terminated and truncated, `[N]` each, and infos.
@@ -422,8 +422,8 @@ class UPOMDP(LevelSpace, VectorEnv):
     def start_next(self, where: np.ndarray) -> Any:
         """Start the next episodes in the environments `where` (bool `[N]`).
 
-        They play the levels that `level_sampler` returns, or without it the same ones. A level that it returns is a new
-        visit, whose number is drawn from the random stream of levels.
+        They play the levels that `level_sampler` returns, or without it the same levels. A level that it returns
+        is a new visit, whose number is drawn from the random stream of levels.
 
         Returns:
             the observations of all N environments.
@@ -445,5 +445,5 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode on the same levels: the next one of their visits."""
+        """Start a new episode on the same levels: the next episode of their visits."""
         return self.play_again()

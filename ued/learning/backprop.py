@@ -31,7 +31,7 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
         return by_hand(student, seen, old, config)
     policy, value = student.policy_and_value(seen, old.past)  # B distributions, [B]
     outputs: list[Tensor]
-    gradients: list[Tensor | None]  # of the loss with respect to each output; None: the output is a part of the loss
+    gradients: list[Tensor | None]  # of the loss by each output; None: the output is a part of the loss
     if isinstance(policy, Categorical):
         parts, *gradients = categorical_losses(policy.logits, value, old, config)
         outputs = [policy.logits, value]

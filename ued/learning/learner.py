@@ -127,7 +127,7 @@ class Learner:
     ) -> dict[str, float]:
         """Learn from the last rollout, or from `rollout` instead; return metrics of episodes and losses.
 
-        `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to the one of `start_from`.
+        `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to that of `start_from`.
         """
         if regularizer is None and self.reference_policy is not None:
             regularizer = self.reference_policy.at(env_steps)

@@ -1,6 +1,6 @@
 """The memory of a student within an episode: none, or a GRU.
 
-Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
+Only this module distinguishes feed-forward and recurrent students. A memory is a layer between a torso and its
 heads. Its `width` is the size of its state per environment (0 without memory). It also determines the sequences of
 minibatches: single steps, or the sequences that backpropagation through time needs.
 Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.

@@ -1,6 +1,6 @@
 """Minibatches of PPO: a rollout as rows, its sequences in batches, and the gradient of several policies.
 
-The student's memory determines what is shuffled: single steps, or whole sequences of one environment for a recurrent
+The student's memory determines the shuffled units: single steps, or whole sequences of one environment for a recurrent
 student (see `learning.memory`). Read next: `learning.ppo`, which learns from minibatches.
 """
 

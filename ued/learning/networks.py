@@ -367,10 +367,10 @@ def choices_of(space: Space) -> np.ndarray:
 
 
 class PolicyHead(nn.Module):
-    """The last layer of a policy: a categorical for `Discrete`, one for each entry of `MultiDiscrete` and
-    `MultiBinary`, a diagonal Gaussian for `Box`.
+    """The last layer of a policy.
 
-    Its small gain (0.01) makes the initial policy nearly uniform for every observation.
+    It is a categorical for `Discrete`, a categorical for each entry of `MultiDiscrete` and `MultiBinary`, and a
+    diagonal Gaussian for `Box`. Its small gain (0.01) makes the initial policy nearly uniform for every observation.
     """
 
     def __init__(self, space: Space, inputs: int, generator: torch.Generator, policies: int = 1) -> None:

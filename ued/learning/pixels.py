@@ -92,7 +92,7 @@ class SparsePixels(Pixels):
     def __init__(self, space: SparseImage, keep: bool, agents: int = 1) -> None:
         super().__init__(space.image)
         self.shape, self.keep, self.value = space.image.shape, keep, float(space.image.high.flat[0])
-        self.axes = len(self.shape) + 1 + (agents > 1)  # of images
+        self.axes = len(self.shape) + 1 + (agents > 1)  # axes of a batch of images
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return coordinates unchanged, or images `[B, ...]` or `[B, A, ...]` in [0, 1]."""

@@ -26,7 +26,7 @@ class Losses(NamedTuple):
     surrogate: Tensor  # to be maximized: equation 7 of Schulman et al. 2017
     error: Tensor  # half the squared error of the value
     entropy: Tensor
-    log_ratio: Tensor  # of new to old probability
+    log_ratio: Tensor  # log of the ratio of new to old probability
 
     def total(self, config: PPOConfig) -> Tensor:
         """Return the loss `[]`, to be minimized (equation 9)."""
@@ -57,7 +57,7 @@ def categorical_losses(logits: Tensor, value: Tensor, old: Batch, config: PPOCon
     Logits z are `[B, n]`, or `[B, K, n]` for K choices; for a team `[B, A, ...]`. The gradient of the surrogate of a
     step with p = softmax(z), action a, ratio r and advantage A is
 
-        A r ([i = a] - p_i), or 0 where the clipped term is the smaller one
+        A r ([i = a] - p_i), or 0 if the clipped term is smaller
 
     and the gradient of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
     """

@@ -60,7 +60,7 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        # in place, since allocating memory is slow
+        # in place, since memory allocation is slow
         return (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
 
     def deviation(self) -> Tensor:
@@ -315,8 +315,8 @@ class Student(nn.Module):
     def to_environment(self, action: Tensor) -> np.ndarray:
         """Turn actions of the policy into actions of the environment.
 
-        A discrete action is shifted to the start of the space. A continuous one is scaled so that -1 and 1 become the
-        bounds if these are finite, and clipped to them.
+        A discrete action is shifted to the start of the space. A continuous action is scaled so that -1 and 1 become
+        the bounds if these are finite, and clipped to the bounds.
         """
         array, space = action.numpy(), self.action_space
         if isinstance(space, Discrete):

@@ -16,7 +16,7 @@ MOST_VISITS = 4096  # maximum number stored without calls of `pop`
 
 
 class ActionTape:
-    """The actions in each of N environments since the start of its visit, and those of ended visits.
+    """The actions in each of N environments since the start of its visit, and the actions of ended visits.
 
     Checkpoints do not include it, so a visit that started before the tape, or before a resumed run, has no actions.
     """

@@ -199,7 +199,7 @@ class RolloutWorker(Resumable):
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return the whole state besides the student's weights.
+        """Return the whole state except the student's weights.
 
         `episodes=False` leaves out the state of the environments, which checkpoints may not support (`GymUPOMDP`); a
         resumed run then restarts their episodes on the same levels.

@@ -83,7 +83,7 @@ class Adversary(Resumable):
 
     @property
     def record_fields(self) -> list[tuple[Any, ...]]:
-        """The fields of a level record that hold a proposal: those of `Proposals`."""
+        """The fields of a level record that hold a proposal: the fields of `Proposals`."""
         return [
             ("z", np.float32, (self.context_size,)),
             ("raw", np.float32, (self.dim,)),

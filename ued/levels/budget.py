@@ -12,7 +12,7 @@ from typing import Any
 
 FILL = 0.5  # levels offered before replay starts, as a share of the buffer
 BATCH = 32  # levels that an adversary waits for
-SHARE = 0.1  # of the budget, after which both start
+SHARE = 0.1  # share of the budget after which both start
 LEAST_BATCH = 4  # levels in an adversary's smallest batch
 LEVELS_PER_ENV = 4  # levels offered before replay starts without a known budget
 NUM_ENVS = 16  # assumed for a curriculum without environments

@@ -113,7 +113,7 @@ class LevelBuffer(Resumable):
         super().load_state_dict({"replays": False} | state | {"slots": self._with_solved(state["slots"])})
 
     def _with_solved(self, slots: Any) -> Any:
-        """Return the levels of a state; in older ones a level counts as solved if its best return is above 0."""
+        """Return the levels of a state; in older states a level is solved if its best return is above 0."""
         fields = [item for item in self._slots.dtype.descr if item[0] != "solved"]
         if getattr(slots, "dtype", None) != np.dtype(fields):
             return slots
@@ -303,7 +303,7 @@ class LevelBuffer(Resumable):
     def _put(self, place: int, row: np.void) -> bool:
         key = self.space.key_of(row["level"])
         if self.config.no_duplicates and key in self._rows:
-            return False  # the same level twice in one call
+            return False  # the level occurs twice in one call
         if place < self._count:
             self._rows.pop(self.space.key_of(self._slots["level"][place]), None)
             self._rows_by_id.pop(int(self._slots["id"][place]), None)

@@ -76,7 +76,7 @@ class Builder(Resumable):
 
     @property
     def record_fields(self) -> list[tuple[Any, ...]]:
-        """The fields of a level record that hold a proposal: those of `Built`."""
+        """The fields of a level record that hold a proposal: the fields of `Built`."""
         each = (self.steps,)
         return [
             ("z", np.float32, (self.context_size,)),

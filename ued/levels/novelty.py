@@ -61,7 +61,7 @@ class Coverage(Resumable):
         return np.sort(self.rng.permutation(count)[: self.config.pairs_per_update])
 
     def remember(self, pairs: np.ndarray) -> None:
-        """Add pairs `[m, D]` to the window, in place of the oldest ones."""
+        """Add pairs `[m, D]` to the window in place of the oldest pairs."""
         self.pairs = np.concatenate([self.pairs, pairs.astype(np.float32)])[-self.config.window :]
         self.updates += len(pairs) > 0
 

@@ -86,7 +86,7 @@ def region_of(space: LevelSpace, lesson: Lesson) -> Region:
 
 
 def _restrict(region: Region, space: LevelSpace, column: int, values: str) -> None:
-    """Restrict one column of a region to the values of a text."""
+    """Restrict one column of a region to the values that a text specifies."""
     cells, parameter = cells_in(space.parameters[column]), space.parameters[column]
     where = np.arange(len(region.low)) == column
     if values.startswith("theta "):

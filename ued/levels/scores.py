@@ -42,7 +42,7 @@ def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
     """Return p (1 - p) `[L]`, p the share of episodes that succeed (Rutherford et al. 2024, section 4).
 
     It is 0 for a single episode, so several are needed. The estimate of the variance is unbiased, n / (n - 1) times the
-    naive one, so that levels with more episodes do not appear more learnable.
+    naive estimate, so that levels with more episodes do not appear more learnable.
     """
     success = solved(records)[:, 0]
     count, p = (~np.isnan(success)).sum(1), mean_played(success)

@@ -18,8 +18,8 @@ import numpy as np
 from ued.config import NCCConfig
 from ued.core.resumable import Resumable
 
-DECAY, SQUARE_DECAY = 0.9, 0.999  # of the moments
-POWER = 0.4  # of the second moment: the maximizing player's in TiAda
+DECAY, SQUARE_DECAY = 0.9, 0.999  # decays of the moments
+POWER = 0.4  # exponent of the second moment, as for the maximizing player in TiAda
 STEP_EPSILON, LOG_EPSILON = 1e-5, 1e-6
 ROUNDING = 1e-9
 
@@ -35,7 +35,7 @@ def project_to_simplex(point: np.ndarray, least: float) -> np.ndarray:
         raise ValueError(f"{len(point)} numbers of at least {least} add up to more than 1")
     falling = np.sort(point - least)[::-1]
     shifts = (max(free, 0.0) - np.cumsum(falling)) / np.arange(1, len(point) + 1)
-    above = max(1, int(np.count_nonzero(falling + shifts > 0)))  # numbers above the least one
+    above = max(1, int(np.count_nonzero(falling + shifts > 0)))  # number of entries above `least`
     return np.asarray(np.maximum(point - least + shifts[above - 1], 0.0) + least)
 
 

@@ -1,4 +1,4 @@
-"""A learned teacher: an adversary that proposes levels, with a share of random ones, and learns from their scores.
+"""A learned teacher: an adversary that proposes levels, with a share of random levels, and learns from their scores.
 
 PAIRED, minimax and self-regret differ only in the score. Read next: `levels.adversary`, the policy; `methods.minimax`,
 the shortest use.

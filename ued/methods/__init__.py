@@ -24,7 +24,7 @@ class MethodRow:
         class_name: the class in it, made with (upomdp, ppo, settings, seed).
         settings: function that creates its default settings.
         title, color: name and color in all figures.
-        paper: its source, or – without one.
+        paper: its source, or – without a source.
         help: one line on how it chooses levels.
         steps: simulated steps per step that the student learns from, with the default settings.
         settings_of: the method whose settings it shares, if any.

@@ -43,9 +43,9 @@ class ACCEL(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
+        """Play new, replayed and edited levels; score and store them; edit replayed levels; learn from these."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed levels
         metrics |= self.learner.learn(self.env_steps)  # only replayed levels are training levels
         return self.report(levels, metrics)
 

@@ -47,7 +47,7 @@ class ALPGMM(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the mixture and random ones; compute their progress; refit the mixture if due; learn."""
+        """Play levels of the mixture and random levels; compute progress; refit the mixture if due; learn."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # progress of each episode; refit the mixture if due
         metrics |= self.learner.learn(self.env_steps)
@@ -75,9 +75,9 @@ class ALPGMMCurriculum(Resumable):
         self.dtype = level_record_dtype(level_dtype(space.theta_dim))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
-        self.theta = np.zeros((0, space.theta_dim))  # of the episodes so far, in their order
+        self.theta = np.zeros((0, space.theta_dim))  # θ of the episodes so far, in their order
         self.returns = np.zeros(0)
-        self.progress = np.zeros(0)  # ALP of each
+        self.progress = np.zeros(0)  # ALP of each episode
         self.unfitted = 0  # episodes since the last fit
         self.mixture: dict[str, np.ndarray] | None = None  # weights, means and covariances
 

@@ -56,15 +56,15 @@ class CENIE(Method):
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
         coverage, actions = self.curriculum.coverage, self.upomdp.agent_action_space
-        negative = self.learner.values.negative  # of the score mna
+        negative = self.learner.values.negative  # needed by the score mna
         self.learner.values = EpisodeNovelty(
             self.upomdp.num_envs, coverage, actions, negative, scored_agents(self.upomdp)
         )
 
     def update(self) -> dict[str, float]:
-        """Play new, replayed and edited levels; score them by regret and novelty; learn from the replayed ones."""
+        """Play new, replayed and edited levels; score them by regret and novelty; learn from replayed levels."""
         levels = self.collect_rollouts()  # [L] with their novelty
-        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones; fit the mixture
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed levels; fit the mixture
         metrics |= self.learner.learn(self.env_steps)  # only replayed levels are training levels
         return self.report(levels, metrics)
 

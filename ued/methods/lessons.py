@@ -125,7 +125,7 @@ class LessonCurriculum(Resumable):
         return spent >= criterion.least * total * (self.part + 1) / self.config.increments
 
     def _move_on(self) -> None:
-        """Start the next part, or after the last one the next lesson."""
+        """Start the next part, or after the last part the next lesson."""
         self.recent, self.part = self.recent[:0], self.part + 1
         if self.part == self.config.increments:
             self.lesson, self.part, self.began, self.episodes = self.lesson + 1, 0, self.budget.spent, 0

@@ -164,7 +164,7 @@ class Method:
 
     @property
     def student(self) -> Student:
-        """The student to evaluate: the first one (PAIRED: the protagonist)."""
+        """The student to evaluate: the first student (PAIRED: the protagonist)."""
         return next(iter(self.students.values()))
 
     @property
@@ -174,7 +174,7 @@ class Method:
 
     @property
     def buffer(self) -> LevelBuffer | None:
-        """The buffer of levels to replay; None for a method without one."""
+        """The buffer of levels to replay; None for a method without a buffer."""
         return None
 
     @property

@@ -3,7 +3,7 @@
     fill a buffer with random levels; y is uniform
     repeat
         the student plays levels drawn from y, and learns
-        score the levels of the buffer; random levels with higher scores replace those with the lowest
+        score the levels of the buffer; random levels with higher scores replace levels with the lowest scores
         ascend E_y[score] + alpha H(y) by TiAda's step; project y to the truncated simplex    (`levels.simplex`)
 
 The paper scores all 4,000 levels before every step of y, which costs 84 simulated steps for each step of training. In

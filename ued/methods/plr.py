@@ -86,7 +86,7 @@ class PLRCurriculum(Resumable):
         return scores.fields(self.config.score, self.config.episodes_per_level)
 
     def propose(self, count: int) -> np.ndarray:
-        """Return levels of the buffer with probability `replay_prob` each, new ones otherwise."""
+        """Return levels of the buffer with probability `replay_prob` each, otherwise new levels."""
         return self.buffer.replay_or_new(self.dtype, count, self.config, self.rng, self._new)
 
     def _new(self, count: int) -> np.ndarray:
@@ -99,4 +99,4 @@ class PLRCurriculum(Resumable):
         """Score the levels by the rule of the settings, see `levels.scores`; store them in the buffer."""
         self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
-        return self.buffer.store(records)  # new levels are offered, replayed ones get their new scores
+        return self.buffer.store(records)  # new levels are offered, replayed levels get their new scores

@@ -1,6 +1,6 @@
 """The curriculum as a Rerun recording: played levels, their outcomes, and the distribution of θ.
 
-The recorder is independent of the domain: a `ScenePainter` defines the look of a level. Without one, the recording has
+The recorder is independent of the domain: a `ScenePainter` draws the levels. Without a painter, the recording has
 θ, and a video of rendered frames (`/film/<student>`) instead of `/scene`. It writes these entities:
 
     /scene/ground                    static lines; coordinates below /scene are in m, y-up

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import rerun
 
-MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
+MOVIE_SECONDS = 1.0  # seconds of the `movie` timeline per update
 
 
 class Pending(NamedTuple):

@@ -22,7 +22,7 @@ HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # decay of the heat map per update
 MARK_COLOR = (235, 235, 235)  # color of starts and ends
 END_SIZE = 0.55  # size of end points relative to start points
-FILLING_RADIUS = 0.31  # of a line that fills a square from -1 to 1, as Rerun has no filled squares
+FILLING_RADIUS = 0.31  # radius of a line that fills a square from -1 to 1, since Rerun has no filled squares
 FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # the line
 
 
@@ -99,7 +99,7 @@ class SceneLog:
         np.add.at(self._heat, (cells[inside, 1], cells[inside, 0]), 1.0)
 
     def record(self, batch: LevelBatch) -> None:
-        """Write the map of an update's levels, and those with the highest scores."""
+        """Write the map of an update's levels, and the levels with the highest scores."""
         places = self.painter.positions(batch.theta)  # [L, K, 2]
         best, labels = by_score(batch, TOP_LEVELS), captions(batch)
         for slot in range(TOP_LEVELS):

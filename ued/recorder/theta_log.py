@@ -41,7 +41,7 @@ class ThetaLog:
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ is shown
         self._cells = [choice_in(draw) for draw in draws]
-        self._values = [cells_in(draw) for draw in draws]  # of columns with finitely many values
+        self._values = [cells_in(draw) for draw in draws]  # cells of columns with finitely many values
         self._horizon = 1  # estimated number of updates of the run
         self._density = np.zeros((len(self.names), 1, BINS))  # [D, columns, bins]
         self._mapped = 0  # the last update at which the densities were written
