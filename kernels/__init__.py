@@ -3,7 +3,7 @@
 Imported as `regista.kernels`; `regista/kernels` is a link to this folder. Read next: `jit`.
 """
 
-if __name__ == "kernels":  # the root of a checkout is on `sys.path`
+if __name__ == "kernels":  # imported with the root of a checkout on `sys.path`
     from regista.bare_names import lead_inside
 
     lead_inside(__name__)

@@ -8,7 +8,7 @@ import numba
 
 
 def compiles() -> bool:
-    """Return whether kernels are compiled: not with `NUMBA_DISABLE_JIT=1`."""
+    """Return whether kernels are compiled; `NUMBA_DISABLE_JIT=1` disables this."""
     config: Any = numba.config
     return not config.DISABLE_JIT
 

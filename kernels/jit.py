@@ -1,9 +1,9 @@
 """`kernel`: the decorator that compiles all of Regista's Numba functions and caches the machine code.
 
 Numba's own cache checks only the file that defines a function: after an edit of a constant or a callee in another file
-it serves stale code. So a digest of every source file that a kernel can see names the cache folder. A file with
-kernels must therefore import only other files with kernels and files without imports of their own; any other import
-would make an unrelated edit recompile the football simulator.
+it returns stale code. So the cache folder is named after a digest of all source files that kernels use. A file with
+kernels must therefore import only other files with kernels and files without imports of their own. With any other
+import, an unrelated edit would recompile the football simulator.
 Read next: `regista.envs.football.simulator`, the largest user.
 """
 
@@ -40,7 +40,7 @@ KNOWN_INSIDE = (
 # `numba_linking` saves half of the first compilation, but relies on Numba's private classes: 0 disables it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # `_nrt`: no reference counting
-KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
+KEPT_CACHES = 4  # digests: the current one and a few that a developer may switch back to
 KEPT_SECONDS = 86_400  # a younger cache may belong to a running program
 
 _numba_config: Any = numba.config
@@ -70,12 +70,12 @@ def kernel(function: Callable | None = None, *, parallel: bool = False, inline: 
 
 
 def linked() -> bool:
-    """Return whether `numba_linking`, which shows progress, compiles kernels; if not, Numba alone does."""
+    """Return whether `numba_linking`, which shows progress, compiles kernels, instead of Numba alone."""
     return LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]
 
 
 def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
-    """Return the function as Numba's own dispatcher, or as a `Kernel` if this version of Numba supports it."""
+    """Return a `Kernel` of the function if this version of Numba supports it, else Numba's own dispatcher."""
     if not linked():
         return numba.njit(cache=True, **options)(function)
     from regista.kernels.numba_linking import Kernel
@@ -149,7 +149,7 @@ def _cache_folder() -> Path:
             if not _private(folder):
                 continue
             folder.chmod(0o700)
-            folder.touch()  # marks it as the newest: `_forget` sorts by age
+            folder.touch()  # marks the folder as the newest: `_forget` sorts by age
             with tempfile.TemporaryFile(dir=folder):
                 pass
         except OSError:
@@ -163,7 +163,7 @@ def _cache_folder() -> Path:
 
 
 def _private(folder: Path) -> bool:
-    """Return whether a folder belongs to the user and only the user can write into it; print a warning if not."""
+    """Return whether a folder belongs to the user and is writable only by the user; print a warning if not."""
     status = folder.lstat()
     mine, writable = status.st_uid == os.getuid(), bool(status.st_mode & 0o022)
     if mine and not writable and stat.S_ISDIR(status.st_mode):
@@ -174,13 +174,13 @@ def _private(folder: Path) -> bool:
 
 
 def _remove(folder: Path, maker: int) -> None:
-    """Remove a temporary cache when the process that made it ends, but not when one of its children does."""
+    """Remove a temporary cache at the end of the process that made it, but not at the end of its children."""
     if os.getpid() == maker:
         shutil.rmtree(folder, ignore_errors=True)
 
 
 def _forget(parent: Path) -> None:
-    """Remove the caches of old digests, except the newest few; leave everything else in the folder alone."""
+    """Remove the caches of old digests, except the newest few; leave other files in the folder unchanged."""
     ages = {}
     for path in parent.iterdir():
         with suppress(OSError):  # another program may be removing caches, too

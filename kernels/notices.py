@@ -32,15 +32,15 @@ def say_once(text: str) -> None:
 
 
 def _write(text: str) -> None:
-    with suppress(OSError, ValueError, AttributeError):  # closed, or there is no stderr
+    with suppress(OSError, ValueError, AttributeError):  # stderr is closed or missing
         sys.stderr.write(text)
         sys.stderr.flush()
 
 
 class _Work:
-    """The compiler's current work; of nested pieces of work the outermost is shown.
+    """The compiler's current work; if work is nested, only the outermost is shown.
 
-    `entries`: names of the programs to compile, if they are known. `usual`: seconds that they usually take, or 0.
+    `entries`: names of the programs to compile, if known. `usual`: their usual compilation time in seconds, or 0.
     """
 
     def __init__(self, entries: Sequence[str], usual: int) -> None:
@@ -48,7 +48,7 @@ class _Work:
         self.began = time.monotonic()
         self.entry = ""  # the program being compiled
         self.reached: set[Callable] = set()  # its functions
-        self.waiting: float | None = None  # when this process started to wait for another one that compiles
+        self.waiting: float | None = None  # start time of waiting for another process that compiles
         self.generating = False  # all functions have been read, and machine code is generated
 
     def line(self) -> str:
@@ -134,7 +134,7 @@ def compiling(function: Callable) -> Iterator[None]:
 
 @contextmanager
 def waiting() -> Iterator[None]:
-    """Show that this process waits for another one that compiles the kernels."""
+    """Show that this process waits for another process that compiles the kernels."""
     with at_work() as work:
         work.waiting = time.monotonic()
         try:
@@ -155,7 +155,7 @@ def generating() -> None:
 
 
 def reached(function: Callable) -> set[Callable]:
-    """Return a function and all kernels that it may call, directly or not, as Python functions."""
+    """Return a function and all kernels that it may call, directly or indirectly, as Python functions."""
     seen: set[Callable] = set()
     pending: list[Any] = [function]
     while pending:

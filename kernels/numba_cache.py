@@ -1,8 +1,8 @@
 """The cache of machine code: its entries are named by a file's path within Regista, not by its path on the disk.
 
 Numba names the folder after the path of the source file, so each clone and each environment would compile the same
-kernels again. A digest of all sources names the cache folder of `kernels.jit`, so equal copies of Regista share it.
-The stamp of a kernel of another project covers all code that it can see; Numba's stamp covers only its own file.
+kernels again. The cache folder of `kernels.jit` is named after a digest of all sources, so equal copies of Regista
+share it. The stamp of another project's kernel covers all code that it uses; Numba's stamp covers only its own file.
 Read next: `kernels.numba_linking`, whose kernels use this cache.
 """
 
@@ -62,7 +62,7 @@ class _PlaceWithin(_CacheLocator):
 
 
 def _within(py_file: str) -> Path | None:
-    """Return the path of a source file within Regista, None for other files."""
+    """Return the path of a source file within Regista; None for other files."""
     path = Path(py_file)
     within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
     return within if within.parts[:1] in {(name,) for name in PACKAGES} else None
@@ -101,13 +101,13 @@ class _KernelCacheImpl(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one function, placed by `_PlaceWithin`. Failing to read or write it raises no error."""
+    """Numba's cache of one function, placed by `_PlaceWithin`. Read and write failures raise no errors."""
 
     _impl_class = _KernelCacheImpl
     _stamped = False
 
     def _stamp(self) -> None:
-        """Stamp a kernel outside Regista at its first use: its callees may be defined after it."""
+        """Stamp a kernel outside Regista at its first use, since its callees may be defined after it."""
         this: Any = self
         if not self._stamped and not isinstance(this._impl.locator, _PlaceWithin):
             this._cache_file._source_stamp = (this._cache_file._source_stamp, stamp_of(this._py_func))
@@ -115,7 +115,7 @@ class KernelCache(FunctionCache):
 
     def holds(self, sig: Any, target_context: Any) -> bool:
         """Return whether code for this signature is cached; only loading it detects damage."""
-        this: Any = self  # Numba's own names for its files
+        this: Any = self  # untyped, since these attributes are private to Numba
         target_context.refresh()
         try:
             self._stamp()

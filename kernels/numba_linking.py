@@ -1,10 +1,10 @@
 """Linking of kernels that call each other: machine code is generated once per entry point, not once per kernel.
 
-Numba makes a program of each compiled function: it links all callees, optimizes the whole and generates machine code,
-so that a chain of n calls is optimized n times over, and wraps each function for calls from Python. Most of our kernels
-are only called by other kernels. So a `Kernel` has two forms: the part that other kernels link, which stays as Numba's
-front end produced it, and the program that it becomes when Python calls it. This saves half of the first compilation;
-the machine code of functions called from Python is the same.
+Numba makes a program of each compiled function: it links and optimizes all callees, generates machine code, and wraps
+the function for calls from Python. So a chain of n calls is optimized n times. Most of our kernels are only called by
+other kernels. So a `Kernel` has two forms. The part, which other kernels link, is the output of Numba's front end. The
+program is compiled when Python calls the kernel. This saves half of the first compilation; the machine code of
+functions called from Python is the same.
 Read next: `kernels.jit`, which makes kernels; `kernels.notices`, which shows the progress.
 """
 
@@ -34,7 +34,7 @@ NEEDLESS = {
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "InlineOverloads"),
     "NopythonRewrites",
 }
-GARBAGE = 100_000  # allocations less frees before young objects are collected; 700, Python's, costs 10%
+GARBAGE = 100_000  # allocations minus frees before young objects are collected; Python's 700 costs 10%
 
 
 class _PartLibrary(JITCodeLibrary):
@@ -174,7 +174,7 @@ class _Part(CPUDispatcher):
     """The form of a kernel that other kernels link."""
 
     def compile(self, sig: Any) -> Any:
-        this: Any = self  # Numba's own name for it
+        this: Any = self  # untyped, since this attribute is private to Numba
         args, return_type = normalize_signature(sig)
         if tuple(args) not in this.overloads:
             with this._compiling_counter:
@@ -199,7 +199,7 @@ class Kernel(CPUDispatcher):
         self._cache = KernelCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
-        """Load or compile the kernel. Of several processes one compiles; the others wait and load its result."""
+        """Load or compile the kernel. Only one of several processes compiles; the others wait and load its result."""
         name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
         cached = sig in self.overloads or self._cache.holds(sig, self.targetctx)
         with nullcontext() if cached else _turn(name), _in_haste():
@@ -229,6 +229,6 @@ def _lock(file: IO[str]) -> None:
 
 
 def _unlock(file: IO[str]) -> None:
-    """Free the lock. Closing the file does not suffice: a process forked meanwhile has it open, too."""
+    """Free the lock. Closing the file does not suffice: a process forked in the meantime also holds it open."""
     with suppress(OSError):
         fcntl.flock(file, fcntl.LOCK_UN)

@@ -1,4 +1,4 @@
-"""Random numbers from the stream in a record's field `random`, the same for any number of threads.
+"""Random numbers from the stream in a record's field `random`, identical for any number of threads.
 
 The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003). It uses shifts and exclusive ors
 only, so uncompiled code raises no overflow warnings. Streams start from SplitMix64 hashes of the seeds (Steele, Lea
@@ -24,12 +24,12 @@ _TWO_PI = 2.0 * math.pi
 
 
 def streams(seeds: npt.ArrayLike) -> np.ndarray:
-    """Hash seeds [N] into starting states [N] uint64, none of them the forbidden 0."""
+    """Hash seeds [N] into nonzero starting states [N] uint64 (0 is forbidden)."""
     return np.array([stream(seed) for seed in np.atleast_1d(np.asarray(seeds)).astype(np.uint64).tolist()], np.uint64)
 
 
 def stream(seed: int) -> int:
-    """Hash a seed of 64 bits into a starting state, never the forbidden 0."""
+    """Hash a seed of 64 bits into a nonzero starting state (0 is forbidden)."""
     state = seed + _FIRST & _BITS
     state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & _BITS
     state = (state ^ state >> 27) * 0x94D049BB133111EB & _BITS

@@ -2,8 +2,8 @@
 
     from ued import DR, GymUPOMDP, Paired, PPOConfig, evaluate
 
-Names are loaded when first used, so that `import ued` stays quick and environments need no torch; editors and type
-checkers read them in `__init__.pyi`.
+Names are loaded on first use, so `import ued` is fast and environments need no torch. Editors and type checkers find
+the names in `__init__.pyi`.
 Read next: `core.upomdp`, the interface; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
@@ -12,12 +12,12 @@ import sys
 from importlib import import_module
 from typing import Any
 
-# Torch and Numba each have an OpenMP pool, whose threads wait by spinning. They then compete for the cores, which is
-# ten times slower. The variable must be set before torch starts its pool: import torch after this, or set it yourself.
+# Torch and Numba each have an OpenMP pool whose idle threads spin. The two pools compete for the cores, which is ten
+# times slower. The variable must be set before torch starts its pool: import torch after `ued`, or set it yourself.
 if "torch" not in sys.modules:
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-_EXPORTS = {  # by module; the methods and their settings are those of `methods.METHODS`
+_EXPORTS = {  # by module; the methods and their settings come from `methods.METHODS`
     "ued.core.checkpoint": ("CheckpointError",),
     "ued.config": ("AdversaryConfig", "BufferConfig", "BuilderConfig", "PPOConfig"),
     "ued.core.curriculum": ("Curriculum", "ThetaSpace"),
@@ -45,7 +45,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
 
 
 def _homes() -> dict[str, str]:
-    """Return the module of each name that this package offers."""
+    """Return the module of each public name of this package."""
     rows = import_module("ued.methods").METHODS.values()
     homes = {name: module for module, names in _EXPORTS.items() for name in names}
     homes |= {row.class_name: row.module for row in rows}

@@ -54,8 +54,8 @@ class BuilderConfig(Checked):
 class AdversaryConfig(Checked):
     """Settings of the adversary and its learning.
 
-    An adversary that builds levels step by step learns with `steps`; of the others it uses `clip_coef`, `vf_coef`,
-    `max_grad_norm`, `adam_eps`, `context_size`, `hidden_size` and `min_batch`.
+    An adversary that builds levels step by step uses the settings in `steps`, and of the other fields only `clip_coef`,
+    `vf_coef`, `max_grad_norm`, `adam_eps`, `context_size`, `hidden_size` and `min_batch`.
     """
 
     learning_rate: float = setting(1e-2, "step size of Adam", ">0", most=10)
@@ -101,7 +101,8 @@ class AdversaryConfig(Checked):
     def thesis(cls) -> AdversaryConfig:
         """Return the settings of the thesis (Table 4.2, Fig. 4.10).
 
-        Its adversary sees an image; ours starts from a random vector, as PAIRED's does, and has no convolutions.
+        The adversary of the thesis observes an image. This one takes a random vector, as in PAIRED, and has no
+        convolutions.
         """
         return cls(
             learning_rate=8e-5,
@@ -207,7 +208,7 @@ class PairedLiteralConfig(TeacherConfig):
 
 
 def min_fill() -> Any:
-    """Return the field for the start of replay."""
+    """Return the settings field that determines the start of replay."""
     return setting(
         None,
         "replay starts after this many scored levels, as a share of the buffer (default 0.5, or sooner: after a tenth "
@@ -218,7 +219,7 @@ def min_fill() -> Any:
 
 @dataclass(frozen=True)
 class BufferConfig(Checked):
-    """Settings of a buffer of levels."""
+    """Settings of a level buffer."""
 
     capacity: int = setting(1000, "capacity of the buffer, in levels", ">=1", most=1_000_000)
     priority: Literal["rank", "power"] = setting(
@@ -278,7 +279,7 @@ class ACCELConfig(PLRConfig):
 
 @dataclass(frozen=True)
 class CoverageConfig(Checked):
-    """Settings of the mixture of Gaussians over past state-action pairs."""
+    """Settings of the Gaussian mixture over past state-action pairs."""
 
     window: int = setting(2048, "number of latest state-action pairs to fit the mixture to", most=16_384, least=16)
     pairs_per_update: int = setting(64, "pairs that enter the window per update", ">=1", most=16_384)
@@ -312,7 +313,7 @@ class RepairedConfig(PairedConfig):
 
 @dataclass(frozen=True)
 class SFLConfig(Checked):
-    """Settings of sampling for learnability, on a budget."""
+    """Settings of sampling for learnability (SFL), on a step budget."""
 
     candidates: int = setting(256, "random levels to evaluate for each selection", ">=1", most=1_000_000)
     candidate_episodes: int = setting(4, "episodes on each candidate", most=10_000, least=2)
@@ -337,7 +338,7 @@ class SFLConfig(Checked):
 
 @dataclass(frozen=True)
 class NCCConfig(Checked):
-    """Settings of NCC, on a budget."""
+    """Settings of NCC, on a step budget."""
 
     capacity: int = setting(256, "capacity of the buffer, in levels", ">=1", most=1_000_000)
     min_fill: float | None = min_fill()

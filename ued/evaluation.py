@@ -1,6 +1,6 @@
 """Evaluate a student on levels: a fixed list of whole episodes, all played to the end.
 
-Counting the episodes that end within a number of steps would overcount short ones. So the list of episodes is fixed
+Counting the episodes that end within a number of steps would overcount short episodes. So the list of episodes is fixed
 first, and each environment takes the next one when its episode ends. Read next: `statistics`, for confidence intervals.
 """
 
@@ -52,9 +52,9 @@ def evaluate(
 ) -> Evaluation:
     """Play `episodes` whole episodes and return their results.
 
-    With `levels` `[L]`, episode e plays level e mod L: the same layout each time, with new luck. Without, every episode
-    plays a random level. Actions are sampled from the policy, or are its most likely ones if `greedy`. The environments
-    are reset, so use a copy of those of a training run (`upomdp.copy()`).
+    With `levels` `[L]`, episode e plays level e mod L: the same layout each time, with new luck. Without `levels`,
+    every episode plays a random level. Actions are sampled from the policy, or are its most likely ones if `greedy`.
+    The environments are reset: if a training run uses them, pass a copy (`upomdp.copy()`).
 
     Raises:
         ValueError: fewer than one episode or no level.
@@ -68,8 +68,8 @@ class Schedule:
 
     Attributes:
         levels: `[L]` records of the levels.
-        index: `[E]` which of them each episode plays.
-        visits: `[E]` the number of the visit of its level, which determines the episode's luck.
+        index: `[E]` index of the level that each episode plays.
+        visits: `[E]` visit number of that level, which determines the episode's luck.
     """
 
     def __init__(self, upomdp: UPOMDP, episodes: int, seed: int, levels: np.ndarray | None = None) -> None:
@@ -87,7 +87,7 @@ class Schedule:
         self.action_seed = seeds.next()
 
     def play(self, student: Student, greedy: bool = False, on_end: OnEnd | None = None) -> Evaluation:
-        """Play all episodes; `on_end` is called with the number of those that have just ended."""
+        """Play all episodes; `on_end` is called with the number of episodes that have just ended."""
         stage = stage_of(student, self.upomdp)
         player = Player(within(student, stage), torch_generator(self.action_seed), greedy)
         playlist = self.levels[self.index]
@@ -100,8 +100,9 @@ class Schedule:
 def _play(
     player: Player, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray, on_end: OnEnd | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Play an episode on each of these levels `[E]`, at visits of these numbers `[E]`; return returns, success and
-    lengths `[E]`.
+    """Play one episode on each level of `playlist` `[E]`; return returns, success and lengths, `[E]` each.
+
+    `visits` `[E]` are the visit numbers of the levels.
     """
     episodes, num_envs = len(playlist), upomdp.num_envs
     returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
@@ -126,7 +127,7 @@ def _play(
             if on_end is not None:
                 on_end(num_ends)
             starts = ends & (episode < episodes)  # [N]
-            upomdp.idle |= ends & ~starts  # no episode left for these
+            upomdp.idle |= ends & ~starts  # environments without a further episode
             if starts.any():
                 now = episode[starts]
                 if now[-1] >= announced:
@@ -143,7 +144,7 @@ def _check_lengths(lengths: np.ndarray) -> None:
 
 
 def _announce(upomdp: UPOMDP, playlist: np.ndarray, first: int) -> int:
-    """Let the environments prefetch the next levels, from number `first` on; return the first one after these."""
+    """Let the environments prefetch the next levels, starting at index `first`; return the index after the last one."""
     coming = playlist[first : first + PREFETCH]
     upomdp.prefetch(coming)
     return first + len(coming)

@@ -4,7 +4,7 @@
     "gravity=5..15 until return 0.5 or steps 20%"
     "all"
 
-A region restricts parameters, in their own units, to a range, a value, or options. Other parameters have their whole
+A region restricts parameters, in their own units, to a range, a value, or options. Other parameters keep their full
 range; `all` restricts none. Read next: `levels.regions`, from names to columns of θ; `methods.lessons`.
 """
 
@@ -24,9 +24,10 @@ MIDDLE = "all=theta -0.25..0.25 until success 0.8"  # the first lesson unless a 
 
 
 class Criterion(NamedTuple):
-    """A criterion to move on: the mean of a `measure` over the last episodes, or a lesson's length, is at `least`.
+    """A criterion for the start of the next lesson: the `measure` is at least `least`.
 
-    `measure` is "success" (a rate from 0 to 1), "return", "episodes", "steps", or "share" (of the steps of the run).
+    `measure` is a mean over the last episodes, "success" (a rate from 0 to 1) or "return". Or it is the length of the
+    lesson in "episodes", in "steps", or as a "share" of the steps of the run.
     """
 
     measure: str

@@ -27,13 +27,13 @@ ACTIONS = 4
 class Frontier(UPOMDP):
     """A path of hidden turns; θ determines its length.
 
-    At each place k of the path one of four actions is correct, the same one on every level. A path of length L has the
-    reward 1 at its end if all L actions were correct, else 0; after a wrong action the episode continues to the end.
-    A student that has learned the first K turns solves every path of length up to K, and a path of length K + 1 with
-    probability 1/4: that is the frontier. Much longer paths give no reward; shorter ones are already solved.
+    At each place k of the path one of four actions is correct, the same one on every level. The reward at the end of a
+    path of length L is 1 if all L actions were correct, else 0; after a wrong action the episode continues to the end.
+    A student that has learned the first K turns solves every path of length up to K. It solves a path of length K + 1,
+    the frontier, with probability 1/4. Much longer paths give no reward; shorter paths are already solved.
 
-    The length grows with the largest of the first D - 1 columns of θ, so that a share of (K / longest)^(D - 1) of all
-    levels is no longer than K: short paths are rare. If the last column exceeds `blocked_above`, the path is blocked,
+    The length grows with the largest of the first D - 1 columns of θ. A share of (K / longest)^(D - 1) of all levels is
+    no longer than K, so short paths are rare. If the last column exceeds `blocked_above`, the path is blocked,
     and the reward is always 0; a minimax adversary converges to such levels.
 
     Observation `[longest + 2]`: one-hot of the place, whether an action was wrong, and L / longest. A student that has
@@ -43,7 +43,7 @@ class Frontier(UPOMDP):
         num_envs: N.
         longest: maximum length of a path.
         dim: D.
-        blocked_above: paths are blocked if the last column of θ exceeds it; 1: none is.
+        blocked_above: a path is blocked if the last column of θ exceeds this number; 1: no path is blocked.
         turns: seed of the hidden turns.
     """
 
@@ -62,7 +62,7 @@ class Frontier(UPOMDP):
         super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
         self.place = np.zeros(num_envs, np.int64)
         self.lost = np.zeros(num_envs, bool)
-        self.knowing = False  # whether it plays the correct actions instead of those passed to it
+        self.knowing = False  # whether the environment plays the correct actions instead of those passed to it
 
     def length(self, theta: np.ndarray) -> np.ndarray:
         """Return the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
@@ -92,7 +92,7 @@ class Frontier(UPOMDP):
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         theta = self.levels["theta"]
-        at_end = self.place >= self.length(theta)  # of an episode that has not been restarted
+        at_end = self.place >= self.length(theta)  # the episode has ended and was not restarted
         if not self.knowing:
             self.lost |= np.asarray(actions) != self.turns[np.minimum(self.place, self.longest - 1)]
         self.place += ~at_end

@@ -57,7 +57,7 @@ def setting(
 
 
 def named(default: str, help: str, names: tuple[str, ...], kind: str) -> Any:
-    """Return the field of a setting that is a built-in name, or the name of a function or class of the user.
+    """Return the field of a setting that names a built-in object, or a function or class of the user.
 
     `kind` is the type of the user's object: "function" or "class". See `core.own_code`.
     """
@@ -115,7 +115,7 @@ def hints_of(kind: Any) -> dict[str, Any]:
 
 @functools.cache
 def _checks_of(kind: Any) -> list[Check]:
-    """Return name, metadata, whether None is allowed, and the type otherwise, of each field of a class.
+    """Return the name, the metadata, whether None is allowed, and the type of each field of a class.
 
     Cached: a command creates hundreds of settings to show the defaults of games and presets in its help.
     """
@@ -132,8 +132,8 @@ def _checks_of(kind: Any) -> list[Check]:
 def converted(kind: Any, value: Any) -> Any:
     """Return a value as the type of its field: a NumPy number or 1e6 as an int, a list as a tuple.
 
-    Raises `ValueError` for another type, with what would be right. Types other than numbers, texts, tuples and nested
-    settings are not checked.
+    Raises `ValueError` for another type; the message reports the expected type. Types other than numbers, texts, tuples
+    and nested settings are not checked.
     """
     if type(value) is kind:
         return value
@@ -177,5 +177,5 @@ class Checked:
                 object.__setattr__(self, name, value)
             if wrong:
                 raise ValueError(f"{name} {wrong}")
-            if about.get("names"):  # makes the path of a file absolute
+            if about.get("names"):  # make the path of a file absolute
                 object.__setattr__(self, name, value if value in about["names"] else canonical(value))

@@ -2,8 +2,8 @@
 
 Fewer than `LEAST` values have no interval, and its ends are nan: they are too few to estimate the variance.
 
-In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent:
-resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. The bootstrap of
+In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent.
+Resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. The bootstrap of
 this module resamples a run with all its levels. Read next: the tables in `regista.experiments.run.results`.
 """
 
@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 LEAST = 5  # values that an interval needs: runs, or episodes of a single run
-# Draws of a bootstrap: with 4,000 of a mean, p-values close to 5% would depend on the random seed.
+# Draws of a bootstrap of the mean: with 4,000 draws, p-values close to 5% would depend on the random seed.
 SAMPLES = 100_000
-SAMPLES_OF_OTHERS = 4_000  # of statistics other than the mean, which are computed one draw at a time
+SAMPLES_OF_OTHERS = 4_000  # draws of statistics other than the mean, which are computed one draw at a time
 Z = 1.959964  # normal quantile of a 95% interval
 POWER_Z = 0.841621  # normal quantile of a power of 80%
 
@@ -75,7 +75,7 @@ def mean(values: np.ndarray) -> float:
 class Bootstrap:
     """A statistic of runs and its bootstrap draws `[S]`, nan for fewer than `LEAST` runs.
 
-    The difference of two treats their sets of runs as independent.
+    The difference of two bootstraps treats the two sets of runs as independent.
     """
 
     estimate: float
@@ -85,12 +85,12 @@ class Bootstrap:
         return Bootstrap(self.estimate - other.estimate, self.draws - other.draws)
 
     def interval(self, confidence: float = 0.95) -> Interval:
-        """Return the estimate with its percentile interval, from nan to nan for fewer than `LEAST` runs."""
+        """Return the estimate with its percentile interval, whose ends are nan for fewer than `LEAST` runs."""
         low, high = np.quantile(self.draws, [(1 - confidence) / 2, (1 + confidence) / 2])
         return Interval(self.estimate, float(low), float(high))
 
     def difference(self) -> Difference:
-        """Return the estimate, its 95% interval and the two-sided p-value of 0, for the difference of two.
+        """Return a difference of two bootstraps with its 95% interval and the two-sided p-value of 0.
 
         The p-value inverts the interval: it is the smallest level at which the percentile interval excludes 0 (Efron
         and Tibshirani 1993, section 15.4). One draw is added to the count, so that it is never 0 (Davison and Hinkley
@@ -157,7 +157,7 @@ def _means(
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Return adjusted p-values of a family of tests (Holm 1979): one that is at most 5% is significant.
+    """Return adjusted p-values of a family of tests (Holm 1979): a value of at most 5% is significant.
 
     The probability of rejecting any true null hypothesis is then at most 5% under any dependence of the tests, which
     share the runs of a reference. A nan is not a test: it is returned as it is and not counted.
@@ -175,14 +175,15 @@ def detectable(groups: Sequence[np.ndarray], errors: Sequence[np.ndarray] | None
     """Return the smallest true difference of two methods that these numbers of runs detect: power 80%, level 5%.
 
     It is the sum of two quantiles of Student's t times the standard error of a difference of two means (Bloom 1995).
-    The first, 97.5%, has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
-    of each method by itself; the second, 80%, those of the variance, which is pooled over all groups. The two smallest
-    groups are compared. So it is the power of this module's intervals. For normal runs that differ by this size, the
-    interval excluded 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with a pooled
-    variance would detect slightly smaller differences. A correction for several differences requires larger ones.
+    The 97.5% quantile has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
+    of each method separately. The 80% quantile has those of the variance, which is pooled over all groups. The two
+    smallest groups are compared. So the power is that of this module's intervals. For normal runs that differ by this
+    size, the interval excluded 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with
+    a pooled variance would detect slightly smaller differences. A correction for several differences requires larger
+    ones.
 
     Args:
-        groups: values `[R]` of each method's runs; those of fewer than three runs do not count.
+        groups: values `[R]` of each method's runs; methods with fewer than three runs are ignored.
         errors: their standard errors `[R]`, a lower bound on the deviation of runs.
 
     Returns nan for fewer than two groups of at least three runs.
@@ -240,7 +241,7 @@ def t_quantile(z: float, degrees: int) -> float:
 
 
 def of_episodes(returns: np.ndarray) -> Interval:
-    """Return the mean return of one student's episodes `[E]` with its interval: Wilson's for 0 and 1, else t."""
+    """Return the mean return of one student's episodes `[E]`, with Wilson's interval for 0 and 1, else Student's t."""
     values = np.asarray(returns, float)
     if np.isin(values, (0.0, 1.0)).all():
         return wilson(int(values.sum()), len(values))
@@ -270,7 +271,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
 
     For success rates on random levels it measures robustness (Rutherford et al. 2024). Ranking levels by the episodes
     that give their rates confuses luck with difficulty. So `by` ranks the values by estimates from other episodes; ties
-    have equal weights. Raises `ValueError` without values, for a share outside (0, 1], and for another number of `by`.
+    have equal weights. Raises `ValueError` without values, for a share outside (0, 1], and if `by` has another length.
     """
     array = np.asarray(values, float).ravel()
     rank = array if by is None else np.asarray(by, float).ravel()
@@ -279,7 +280,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
             f"cvar needs values, as many ranks and a share in (0, 1], got {len(array)}, {len(rank)} and {share}"
         )
     _, tie, sizes = np.unique(rank, return_inverse=True, return_counts=True)
-    before = np.cumsum(sizes) - sizes  # values that are worse than those of this rank
+    before = np.cumsum(sizes) - sizes  # number of values that are worse than the values of this rank
     weights = (np.clip(share * len(array) - before, 0.0, sizes) / sizes)[tie.ravel()]
     return float((weights * array).sum() / weights.sum())
 
@@ -287,7 +288,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
 def spearman(one: Sequence[float], other: Sequence[float]) -> float:
     """Return Spearman's rank correlation of paired values; ties have their mean rank; nan if all values are equal.
 
-    Raises `ValueError` for unlike numbers of values.
+    Raises `ValueError` if the numbers of values differ.
     """
     if len(one) != len(other):
         raise ValueError(f"a rank correlation needs pairs, got {len(one)} and {len(other)} values")

@@ -1,9 +1,9 @@
 """Arithmetic on vectors of 16 rows, as LLVM instructions: the inner loops of a forward pass.
 
 An array of features holds 16 rows side by side, `[features, 16]`, flat: feature f of row r is entry 16 f + r. So one
-vector register holds a feature of all rows (two or four registers on processors with shorter ones), and no product
-depends on how a compiler arranges loops. A matrix product keeps 8 outputs in registers while it iterates over the
-inputs; each input costs one load and 8 multiplications.
+vector register holds a feature of all rows (on processors with shorter registers, two or four). No product depends on
+the arrangement of loops by a compiler. A matrix product keeps 8 outputs in registers while it iterates over the inputs;
+each input costs one load and 8 multiplications.
 
 exp is 2^n times a polynomial (Cody and Waite 1980): its relative error is below 2e-7. tanh and the logistic function
 follow from it, with an absolute error below 2e-7. Read next: `rollout.network`.
@@ -115,8 +115,9 @@ exp_at, logistic_at, tanh_at = map(_in_place, (_Lanes.exp, _Lanes.logistic, _Lan
 def _tile(outputs: int) -> Any:
     """Make an intrinsic for a few outputs of a linear layer: y = W x + b.
 
-    Its arguments are: `weights` flat; `row`, the index in it of the first output's row of W; `bias`, the index of its
-    bias; the number of inputs; `x` `[inputs, 16]`; `y` `[outputs, 16]`; and `at`, the index of the first output in y.
+    Its arguments are, in this order: the flat `weights`; `row` and `bias`, the indices in `weights` of the first
+    output's row of W and of its bias; the number of inputs; `x` `[inputs, 16]`; `y` `[outputs, 16]`; and `at`, the
+    index of the first output in y.
     """
 
     @intrinsic

@@ -58,7 +58,7 @@ def _update_gru(read, recalled, state, out):
     `read` and `recalled`, `[3 H, 16]` flat, are the linear maps of the inputs and of the state for the reset gate,
     the update gate and the candidate.
     """
-    gate = len(state)  # number of entries of each of the three
+    gate = len(state)  # number of entries of each gate and of the candidate
     for i in range(2 * gate):
         read[i] += recalled[i]
     for i in range(0, 2 * gate, LANES):

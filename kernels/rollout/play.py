@@ -54,7 +54,7 @@ def note(rollout, e, reward, terminated, truncated, success):
     """Record the results of a step of environment `e`.
 
     `success` is 1, 0 or nan (unknown) at the end of an episode. With opponents, the caller also writes the rewards of
-    all agents into `steps.reward[t, e]`, and `reward` is the first side's.
+    all agents into `steps.reward[t, e]`, and `reward` is the reward of the first side.
     """
     steps, envs, t = rollout.steps, rollout.envs, rollout.counters[0].step
     if steps.reward.shape[2] == 1:
@@ -71,7 +71,7 @@ def note(rollout, e, reward, terminated, truncated, success):
 def choose_levels(rollout):
     """End a step: evaluate the final observations of truncated episodes, and choose the levels of new episodes.
 
-    Return False if a level that is needed is not prepared: the trainer then ends the episodes of this step.
+    Return False if a required level is not prepared: the trainer then ends the episodes of this step.
     """
     counters, envs, ended = rollout.counters[0], rollout.envs, 0
     for e in range(len(envs.action)):

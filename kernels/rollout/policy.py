@@ -128,7 +128,7 @@ def _normalize(policy, observation, block, at):
         row = observation[block.first + r, block.agent]
         for f in range(len(row)):
             entry = (row[f] - mean[f]) / deviation[f]
-            x[LANES * (at + f) + r] = limit if entry > limit else -limit if entry < -limit else entry  # nan stays
+            x[LANES * (at + f) + r] = limit if entry > limit else -limit if entry < -limit else entry  # nan is kept
 
 
 @kernel

@@ -1,6 +1,6 @@
-"""A curriculum inside single Gymnasium environments, for trainers that reset environments as they please.
+"""A curriculum inside single Gymnasium environments, for trainers that reset environments on their own.
 
-Stable-Baselines3 and many other trainers do not support levels: they call `reset()` when an episode is over. So the
+Stable-Baselines3 and many other trainers do not support levels: they call `reset()` at the end of an episode. So the
 environment itself requests levels from the curriculum and reports the results. All environments must run in the
 trainer's process (`DummyVecEnv`, `SyncVectorEnv`). Read next: `examples/with_stable_baselines3.py`.
 """
@@ -20,14 +20,14 @@ from ued.core.resumable import Resumable
 
 
 class CurriculumFeed(Resumable):
-    """Passes a curriculum's levels to environments one at a time, and returns the finished ones to it.
+    """Passes the levels of a curriculum to environments one at a time, and returns the results to the curriculum.
 
     It has no access to the trainer's critic, so scores that need values are not supported. The trainer learns from
-    every episode, so robust methods and candidates that are only evaluated differ from their papers.
+    every episode, so robust methods, and methods with candidates that are only evaluated, differ from their papers.
 
     Args:
-        curriculum: chooses the levels; of one student.
-        batch: level records that are collected before the curriculum learns from them.
+        curriculum: chooses the levels for one student.
+        batch: number of level records that are collected before the curriculum learns from them.
 
     Raises:
         ValueError: a batch below 1, or a curriculum of several students, such as PAIRED's.
@@ -42,13 +42,13 @@ class CurriculumFeed(Resumable):
             raise ValueError(f"the trainer has one student, {type(curriculum).__name__} needs {students}")
         self.curriculum, self.batch = curriculum, batch
         self.finished = np.zeros(0, curriculum.dtype)
-        self.again = np.zeros(0, curriculum.dtype)  # records that were given out, but not played to their end
-        self.visits = 0  # of levels so far
+        self.again = np.zeros(0, curriculum.dtype)  # records that were handed out, but not finished
+        self.visits = 0  # number of visits so far
         self.metrics: dict[str, float] = {}
-        self._open: dict[int, np.ndarray] = {}  # records that are being played, by visit, as they were given out
+        self._open: dict[int, np.ndarray] = {}  # records in play, by visit, as they were handed out
 
     def next(self) -> np.ndarray:
-        """Return the next level record, `[1]`: a visit of a level, new or not."""
+        """Return the next level record `[1]`: a visit of a new or replayed level."""
         if len(self.again):
             record, self.again = self.again[:1].copy(), self.again[1:]
         else:
@@ -67,22 +67,22 @@ class CurriculumFeed(Resumable):
             self.metrics = self.curriculum.update(finished)
 
     def give_back(self, record: np.ndarray) -> None:
-        """Return a record `[1]` that is not played to its end; `next` gives it out again."""
+        """Take back an unfinished record `[1]`; `next` returns it again."""
         self.again = _joined(self.again, self._open.pop(int(record["visit"][0])))
 
     def state_dict(self) -> dict[str, Any]:
-        """Return a copy of the whole state; a resumed feed gives out records again that are being played."""
+        """Return a copy of the whole state; a resumed feed hands out the records in play again."""
         return super().state_dict() | {"again": _joined(self.again, *self._open.values())}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack the records that were not yet learned from."""
+        """Restore a state returned by `state_dict`; older states lack the finished and unfinished records."""
         none = np.zeros(0, self.curriculum.dtype)
         super().load_state_dict({"finished": none, "again": none} | state)
         self._open = {}
 
 
 def _joined(*records: np.ndarray) -> np.ndarray:
-    """Return level records `[k]` one after the other."""
+    """Return the concatenation of level records `[k]`."""
     return np.concatenate([as_void_view(part) for part in records]).view(records[0].dtype)
 
 

@@ -130,7 +130,7 @@ class UPOMDPWrapper(LevelSpace, LevelEnv, gymnasium.utils.RecordConstructorArgs)
         return self._play(options or {})
 
     def _play(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Start an episode of the present level."""
+        """Start an episode of the current level."""
         (seed,), (theta,) = self.level["seed"].tolist(), self.level["theta"]
         luck = luck_seed(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
         observation, info = self.begin(Start(theta.copy(), seed, luck), options)
@@ -141,10 +141,10 @@ ENDS = ("slot_terminated", "slot_truncated")  # in the info of a `_Slot`
 
 
 class _Slot(LevelEnv):
-    """One environment of a batch: takes its own row of the batch's starts at each reset.
+    """One environment of a batch; each reset uses its own row of the batch's starts.
 
-    After the end of an episode it does not step until the next reset. Gymnasium's batch would refuse to step the others
-    meanwhile, so the end is reported only in the info.
+    After the end of an episode it does not step until the next reset. Meanwhile, Gymnasium's vector environment would
+    refuse to step the others, so the end is reported only in the info.
     """
 
     index = 0
@@ -152,7 +152,7 @@ class _Slot(LevelEnv):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         self._last = None
-        if options is None:  # a vector environment resets on its own account
+        if options is None:  # a reset by the vector environment itself
             return self.env.reset(seed=seed)[0], {}
         theta, seeds, luck, begins = options["starts"]  # [N, D], [N], [N], [N]
         if not begins[self.index]:  # the first reset of a batch resets all
@@ -187,14 +187,14 @@ class GymUPOMDP(UPOMDP):
         num_envs: N.
         vectorization: "sync" steps them one after the other in this process, "async" each in its own process. Async
             environments have no state: a checkpoint holds their levels, and a resumed run restarts open episodes.
-        valid: returns whether a level with these values is valid; None: all are.
-        seed_episodes: the argument of an environment's `reset(seed=)`: the seed (True), nothing (False: levels are θ
-            alone, and random numbers are not reproducible), or a function of the seed, for environments with another
-            meaning of the seed, such as the number of a map.
-        luck: the part of an episode that is luck, new in each episode of a level: nothing (False), so that all episodes
-            of a level start alike; all that `reset(seed=)` draws (True), for environments whose reset adds a little
-            noise to θ; what an environment draws from a second seed, under this key of the reset's options; or what
-            `luck(env, seed)` does after each reset: if it returns an observation, this is the first one.
+        valid: returns whether a level with these values is valid; None: all levels are valid.
+        seed_episodes: the argument of an environment's `reset(seed=)`. True: the seed. False: none, so
+            levels are θ alone, and random numbers are not reproducible. A function: its value for the seed, for
+            environments where the seed has another meaning, such as the number of a map.
+        luck: the random part of an episode, new in each episode of a level. False: none, so all episodes of a level
+            start alike. True: all draws of `reset(seed=)`, for environments whose reset adds a little noise to θ. A
+            text: the draws from a second seed, which the reset's options hold under this key. A function
+            `luck(env, seed)`: it is called after each reset, and its result, if any, is the first observation.
 
     Raises:
         LevelError: an exception in an environment; it reports the level.
@@ -233,7 +233,7 @@ class GymUPOMDP(UPOMDP):
         self.metadata = {**self.metadata, "render_modes": self.vector.metadata.get("render_modes", [])}
         if "render_fps" in self.vector.metadata:
             self.metadata["render_fps"] = self.vector.metadata["render_fps"]
-        self._observations: Any = None  # until the first reset
+        self._observations: Any = None  # None until the first reset
         self._going_on = np.zeros(num_envs, bool)
 
     def _vectorize(self, num_envs: int) -> Any:
@@ -241,9 +241,9 @@ class GymUPOMDP(UPOMDP):
 
         def slot(index: int) -> Callable[[], gymnasium.Env]:
             def make() -> gymnasium.Env:
-                if os.getpid() != owner:  # SIGTERM ends a worker, whatever handler it inherited
+                if os.getpid() != owner:  # SIGTERM ends a worker, even if it inherited a handler
                     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-                    end_with_parent(signal.SIGKILL)  # though a step hangs
+                    end_with_parent(signal.SIGKILL)  # even if a step hangs
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")
@@ -294,7 +294,7 @@ class GymUPOMDP(UPOMDP):
         raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
 
     def _success(self, infos: Mapping[str, Any]) -> np.ndarray:
-        """Return `info["success"]` `[N]` from the infos of the environments, NaN where one does not report it."""
+        """Return `info["success"]` `[N]` from the infos of the environments, NaN if an environment reports none."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
             if name in infos:
@@ -311,11 +311,11 @@ class GymUPOMDP(UPOMDP):
         for env in self.vector.envs:
             if isinstance(
                 env.unwrapped, gymnasium.utils.EzPickle
-            ):  # Box2D, MuJoCo: the copy is a new one, without level
+            ):  # Box2D, MuJoCo: the copy is a new environment without the level
                 raise NotImplementedError(f"{name_of(env)} cannot be copied: it is a gymnasium.utils.EzPickle")
         try:
             envs = copy.deepcopy(self.vector)
-        except Exception as error:  # whatever the environments hold: windows, clocks, connections
+        except Exception as error:  # environments may hold windows, clocks, connections
             raise NotImplementedError(f"these environments cannot be copied: {error}") from error
         return {**self.level_state(), "observations": self._observations.copy(), "envs": envs}
 

@@ -21,8 +21,8 @@ from ued.core.parameters import ThetaMap
 Apply = Callable[[gymnasium.Env, Any], object]
 # The argument of an environment's `reset(seed=)`: the seed, nothing, or a function of the seed.
 SeedRule = bool | Callable[[int], int | None]
-# The luck of an episode: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
-# draws, or what a function of the reset environment and a seed does.
+# The luck of an episode: none, all draws of `reset(seed=)`, the draws from a seed under this key of the reset's
+# options, or the effect of a function of the reset environment and a seed.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
 
 
@@ -51,7 +51,7 @@ class LevelEnv(gymnasium.Wrapper):
         self._shape = env.observation_space.shape  # cached, since a chain of wrappers is slow
 
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Start an episode; `options` are the user's own for `reset`."""
+        """Start an episode; `options` are the user's options for `reset`."""
         self.start = start
         try:
             values = self.theta_map.values(start.theta)
@@ -96,7 +96,7 @@ class LevelEnv(gymnasium.Wrapper):
     def _failed(self, what: str, error: Exception, function: Any = None) -> LevelError:
         """Return an error as a `LevelError` with the line in the file of the user's `function`.
 
-        None: the environment's method of this name.
+        If `function` is None, it is the environment's method named `what`.
         """
         if isinstance(error, LevelError):
             raise error
@@ -121,7 +121,7 @@ def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
 
 
 def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
-    """Raise `ValueError` for an invalid `luck`, or one that contradicts `seed_episodes`."""
+    """Raise `ValueError` if `luck` is invalid or contradicts `seed_episodes`."""
     if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
         raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
     if luck is True and seed_episodes is False:
@@ -139,7 +139,7 @@ SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymna
 
 
 def _check_number(what: str, value: Any) -> None:
-    """Raise `ValueError` unless a value of an environment is a single number or truth value; None is not known."""
+    """Raise `ValueError` unless a value of an environment is a single number or bool; None means unknown."""
     if isinstance(value, float | int | np.number | np.bool_ | None):
         return
     if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
@@ -147,5 +147,5 @@ def _check_number(what: str, value: Any) -> None:
 
 
 def success_from_info(info: Mapping[str, Any]) -> Any:
-    """Return the success that an environment reports in its info, NaN without one."""
+    """Return the success that an environment reports in its info; NaN if it reports none."""
     return next((info[name] for name in SUCCESS if name in info), math.nan)

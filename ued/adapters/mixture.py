@@ -1,6 +1,6 @@
-"""Several programs in one UPOMDP: levels of different games in one batch, the game a part of the level.
+"""Several programs in one UPOMDP: a batch holds levels of different games, and the game is a part of the level.
 
-So a curriculum chooses among skills as it chooses among levels (thesis, section 5.1). The first column of θ is a
+So a curriculum chooses among skills in the same way as among levels (thesis, section 5.1). The first column of θ is a
 uniform choice of the program; the others are the columns of that program. Every method works on a mixture without
 changes. Read next: `core.upomdp`.
 """
@@ -22,21 +22,21 @@ from ued.core.upomdp import UPOMDP
 
 
 class Mixture(UPOMDP):
-    """N environments, each of which plays the one of K programs that its level selects.
+    """N environments of K programs; the level of an environment selects its program.
 
     Args:
-        members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. The
-            mixture then owns them; environments on the level of another program are `idle`.
-        names: of the programs.
+        members: K UPOMDPs of N environments each, with equal numbers of agents, equal action spaces and flat
+            observations. The mixture then owns them; their environments are `idle` on levels of other programs.
+        names: names of the programs.
 
     θ has 1 + max D columns: "program", and "1", "2", ... which are the columns of the program in their order (see
     `describe`); a program of fewer columns ignores the rest. Observations are those of the program, padded with zeros
     to the longest, followed by a one-hot of the program, for each agent. If all programs have equal parts
     (`core.parts`), the mixture has these parts too, so that convolutions read their images. If `only` is the index of a
-    program, every level plays that program: a test of it with the observations of the mixture.
+    program, every level plays that program, which tests it with the observations of the mixture.
 
     Raises:
-        ValueError: members that do not go together.
+        ValueError: members that are incompatible.
     """
 
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
@@ -59,13 +59,13 @@ class Mixture(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The largest limit of the programs; None unless all of them have one."""
+        """The largest limit of the programs; None unless all programs have a limit."""
         limits = [member.max_episode_steps for member in self.members]
         return None if None in limits else max(limit for limit in limits if limit is not None)
 
     @property
     def observation_scale(self) -> np.ndarray:
-        """The smallest scale of each entry in any of the programs; 0 if one of them does not define it."""
+        """The smallest scale of each entry over all programs; 0 if a program does not define it."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
         for k, member in enumerate(self.members):
             unit = member.observation_scale
@@ -98,7 +98,7 @@ class Mixture(UPOMDP):
     def make_levels(self, theta: Any) -> np.ndarray:
         levels = super().make_levels(theta)
         levels["program"] = self.program_of(levels["theta"])
-        for k, member in enumerate(self.members):  # the other columns are those of the member
+        for k, member in enumerate(self.members):  # columns after the first belong to the member
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
             levels["theta"][mine, own] = quantize(levels["theta"][mine, own], member.parameters)
             levels["theta"][mine, own.stop :] = 0.0  # ignored: equal levels have equal θ
@@ -112,7 +112,7 @@ class Mixture(UPOMDP):
             mine, columns = np.flatnonzero(program == k), (self.parameters[0], *own)
             used = slice(len(columns))
             edited[mine, used] = parameters.edit(theta[mine, used], columns, num_edits, edit_size, rng)
-            unset = edited[:, len(columns) :]  # of another program, which an edit may choose
+            unset = edited[:, len(columns) :]  # columns of another program, which an edit may choose
             unset[mine] = rng.uniform(-1.0, 1.0, (len(mine), unset.shape[1]))
         return edited
 
@@ -142,7 +142,7 @@ class Mixture(UPOMDP):
         self._see(k, observations, where, self._observations)
 
     def _of_member(self, k: int, levels: np.ndarray) -> np.ndarray:
-        """Return levels `[n]` of program k as that program's own."""
+        """Return levels `[n]` of program k as levels of that program's UPOMDP."""
         dim = self.members[k].theta_dim
         own = np.zeros(len(levels), level_dtype(dim))
         own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + dim]
@@ -196,7 +196,7 @@ class Mixture(UPOMDP):
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> Mixture:
-        """Return a mixture of the same programs with `num_envs` environments, not yet reset; members need `resized`."""
+        """Return a mixture of the same programs with `num_envs` environments, not yet reset, by members' `resized`."""
         members: list[Any] = list(self.members)
         return Mixture([member.resized(num_envs) for member in members], self.program_names, self.only)
 
@@ -211,7 +211,7 @@ class Mixture(UPOMDP):
 
 
 def _with_parts(spaces: Sequence[Space]) -> Parts | None:
-    """Return the space of observations followed by a one-hot of the program; None unless all have equal parts."""
+    """Return the space of observations followed by a one-hot of the program; None unless all have the same parts."""
     parts = [space for space in spaces if isinstance(space, Parts)]
     if len(parts) < len(spaces) or any(part.parts != parts[0].parts for part in parts):
         return None

@@ -16,10 +16,10 @@ from ued.core.parts import Parts, has_images
 
 
 def as_array(env: gymnasium.Env) -> gymnasium.Env:
-    """Return an environment whose observations are vectors or images: others are flattened.
+    """Return an environment whose observations are vectors or images; other observations are flattened.
 
-    Vectors made of a `Dict` or `Tuple` with images have the space `core.parts.Parts`. Gray images get an axis of one
-    channel. Raises `ValueError` for observations of no fixed size.
+    Vectors of a `Dict` or `Tuple` with images have the space `core.parts.Parts`. Gray images get an axis of one
+    channel. Raises `ValueError` for observations without a fixed size.
     """
     space = env.observation_space
     if isinstance(space, Box) and len(space.shape) in (1, 3):
@@ -43,7 +43,7 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
 
 
 def in_form(env: gymnasium.Env, observation: Any) -> Any:
-    """Return an observation of an environment before `as_array` in the form of the one after it, if it is not yet."""
+    """Return an observation in the form of `as_array(env)`, converting it unless it already has this form."""
     if isinstance(env, gymnasium.ObservationWrapper) and np.shape(observation) != env.observation_space.shape:
         return env.observation(observation)
     return observation
@@ -63,7 +63,7 @@ class _PartsObservation(gymnasium.ObservationWrapper):
 
 
 def has_fixed_size(space: gymnasium.Space) -> bool:
-    """Return whether values of a space can be written as a vector; False if the space does not define it."""
+    """Return whether values of a space can be written as a vector; False if the space does not define this."""
     try:
         return space.is_np_flattenable
     except NotImplementedError:

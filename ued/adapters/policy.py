@@ -33,7 +33,7 @@ class LoadedPolicy:
 
     Args:
         student: the trained student.
-        shape: shape of one observation of the student: `(size,)` or that of an image; for a team `(A, ...)`.
+        shape: shape of one observation of the student: `(size,)` or the shape of an image; for a team `(A, ...)`.
         observation_space: space of one environment; observations that are not arrays are flattened to `(size,)`;
             None: observations have the student's shape.
         seed: seed for sampling actions.
@@ -91,11 +91,12 @@ def load_policy(
     """Return the first student of a run folder or a checkpoint as a policy for one or many environments.
 
     Pass the `observation_space` of your environment if it is a `Dict` or similar without images, since training
-    flattened it; a checkpoint has saved those with images.
+    flattened it. Checkpoints contain spaces with images.
 
     Raises:
         CheckpointError: a checkpoint without a student or without saved spaces.
-        OwnCodeError: unless `trusted`, a network of the user (`PPOConfig.network`): code that the checkpoint names.
+        OwnCodeError: a user-defined network (`PPOConfig.network`), which is code that the checkpoint names, unless
+            `trusted`.
     """
     path = Path(path)
     file = path / "checkpoint.pt" if path.is_dir() else path
@@ -123,7 +124,7 @@ def load_policy(
 
 
 def _check_network(name: str, trusted: bool) -> None:
-    """Raise an error for a network of the user that a checkpoint names, and that is not trusted."""
+    """Raise an error for a user-defined network that a checkpoint names, unless it is trusted."""
     if own_code.is_name(name) and trusted:
         own_code.permit(name)
     elif own_code.is_name(name):
@@ -157,7 +158,7 @@ def space_data(space: Space) -> dict[str, Any]:
 
 
 def space_from(data: dict[str, Any]) -> Space:
-    """Return the space from data of `space_data`."""
+    """Return the space of data returned by `space_data`."""
     about = dict(data)
     kind = KINDS[about.pop("kind")]
     if kind is Parts:

@@ -17,7 +17,7 @@ from ued.core.upomdp import UPOMDP
 
 
 class SB3VecEnv(VecEnv):
-    """N environments for Stable-Baselines3. Queries to single environments give the same answer for all of them."""
+    """N environments for Stable-Baselines3. Attributes and methods of single environments are those of all of them."""
 
     def __init__(self, upomdp: UPOMDP) -> None:
         if upomdp.num_agents > 1:
@@ -36,7 +36,7 @@ class SB3VecEnv(VecEnv):
     def reset(self) -> Any:
         """Start an episode in all environments."""
         observations, _ = self.upomdp.reset(seed=self._seed)
-        if self.upomdp.level_sampler != self.upomdp.sample_levels:  # a sampler of the user's
+        if self.upomdp.level_sampler != self.upomdp.sample_levels:  # a user-defined sampler
             observations = self.upomdp.start_next(np.ones(self.num_envs, bool))
         self._seed, self.returns, self.lengths = None, np.zeros(self.num_envs), np.zeros(self.num_envs, int)
         return as_dense(self.upomdp.single_observation_space, observations)

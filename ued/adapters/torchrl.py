@@ -22,7 +22,7 @@ from ued.core.upomdp import UPOMDP
 
 
 class TorchRLEnv(EnvBase):
-    """N environments of one agent for TorchRL, whose discrete actions count from 0.
+    """N environments of one agent for TorchRL; discrete actions start at 0.
 
     Raises `ValueError` for a team, and for spaces that TorchRL does not support.
     """

@@ -2,9 +2,9 @@
 
     upomdp = VectorUPOMDP(lambda n: gymnasium.make_vec("CartPole-v1", n), put, {"length": (0.2, 2.0)}, num_envs=64)
 
-Levels are chosen in every `AutoresetMode`. An environment whose episode ended is reset on its next level at once, by
-`options["reset_mask"]`, before any other step. So a pending automatic reset (NEXT_STEP) takes no step, and the episode
-that an automatic reset has started (SAME_STEP) is not played. Read next: `adapters.gym`, for single environments.
+Levels can be chosen in every `AutoresetMode`. At the end of an episode, `options["reset_mask"]` resets the environment
+on its next level before any other step. So a pending automatic reset (NEXT_STEP) takes no step, and the episode that
+an automatic reset has started (SAME_STEP) is not played. Read next: `adapters.gym`, for single environments.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ class VectorUPOMDP(UPOMDP):
             `[N]` for each parameter, for batches that are simulated together. None: levels have no values to apply.
         theta: as for `GymUPOMDP`.
         num_envs: N.
-        valid: returns whether a level with these values is valid; None: all are.
-        seed_episodes: whether `reset(seed=)` gets a seed for each environment; otherwise levels are θ alone.
+        valid: returns whether a level with these values is valid; None: all levels are valid.
+        seed_episodes: whether `reset(seed=)` receives a seed for each environment; otherwise levels are θ alone.
         luck: whether the draws of `reset(seed=)` are luck, new in each episode, instead of a part of the level.
 
     Raises:
-        ValueError: a vector environment of another size, of observations that are no vectors or images, or that
-            cannot be reset in part.
+        ValueError: a vector environment of another size, with observations that are neither vectors nor images, or
+            without partial resets.
     """
 
     theta_map: ThetaMap
@@ -80,9 +80,9 @@ class VectorUPOMDP(UPOMDP):
         self.render_mode = self.vector.render_mode
         spec = getattr(self.vector, "spec", None)
         self.max_episode_steps = getattr(spec, "max_episode_steps", None)
-        self._observations: Any = None  # until the first reset; the last ones of episodes that ended
-        self._its_own: Any = None  # those of the batch, which may have started other episodes
-        self._over = np.zeros(num_envs, bool)  # episodes that ended, and were not restarted
+        self._observations: Any = None  # None until the first reset; includes the last ones of episodes that ended
+        self._its_own: Any = None  # observations of the vector environment, which may have started other episodes
+        self._over = np.zeros(num_envs, bool)  # episodes that ended and were not restarted
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level.
@@ -111,7 +111,7 @@ class VectorUPOMDP(UPOMDP):
             self._reset(where, values, seeds)
         except LevelError:
             raise
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise self._failed(f"a reset{line_in(self.apply, error)}", where, error) from error
         self._over[where] = False
 
@@ -133,7 +133,7 @@ class VectorUPOMDP(UPOMDP):
         self._reset_masked(where, dict(options) if isinstance(options, Mapping) else {}, seeds)
 
     def _array(self, name: str, where: np.ndarray, values: Sequence[Any]) -> np.ndarray:
-        """Return the values of a parameter `[N]`; environments that are not reset have that of the first one reset."""
+        """Return the values of a parameter `[N]`; environments that are not reset get the first value."""
         column = [values[0][name]] * self.num_envs
         for env, own in zip(where.tolist(), values, strict=True):
             column[env] = own[name]
@@ -161,11 +161,11 @@ class VectorUPOMDP(UPOMDP):
         self._its_own = seen
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        if self.mode == AutoresetMode.DISABLED and self._over.any():  # idle ones, which it must not step
+        if self.mode == AutoresetMode.DISABLED and self._over.any():  # a step after the end is invalid
             self._begin(np.flatnonzero(self._over))
         try:
             seen, rewards, terminated, truncated, infos = self.vector.step(actions)
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         for name, column in {"rewards": rewards, "terminated": terminated, "truncated": truncated}.items():
@@ -210,7 +210,7 @@ class VectorUPOMDP(UPOMDP):
         return success
 
     def _check_shape(self, what: str, shape: tuple[int, ...], expected: tuple[int, ...] | None) -> None:
-        """Raise `LevelError` for a part of a step or a reset of another shape."""
+        """Raise `LevelError` if a result of a step or a reset has another shape."""
         if shape != expected:
             raise LevelError(f"{self.vector}: {what} must have shape {expected}, got {shape}")
 
@@ -255,7 +255,7 @@ class VectorUPOMDP(UPOMDP):
 
 
 def _mode_of(vector: Any, num_envs: int) -> AutoresetMode:
-    """Return the autoreset mode of a vector environment. Raises `ValueError` for one that cannot play levels."""
+    """Return the autoreset mode of a vector environment. Raises `ValueError` if the environment cannot play levels."""
     if not isinstance(vector, VectorEnv):
         raise ValueError(f"make_vector({num_envs}) must return a gymnasium.vector.VectorEnv, got {vector!r}")
     if vector.num_envs != num_envs:

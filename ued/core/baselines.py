@@ -24,8 +24,8 @@ class Policy(Protocol):
 def within(policy: Any, upomdp: Any) -> Any:
     """Return a policy bound to the environments that it plays in.
 
-    A policy that reads their state, beyond observations, has a method `within(upomdp)`; other policies are returned as
-    they are.
+    A policy that reads the state of the environments, not only observations, has a method `within(upomdp)`. Other
+    policies are returned unchanged.
     """
     return policy.within(upomdp) if hasattr(policy, "within") else policy
 
@@ -56,7 +56,7 @@ class ScriptedPolicy(Untrained):
         self.agents = agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
-        """Return zeros, one for each row of `observation` `[N, ...]`, of a team `[N, A]`: `stage_of` ignores them."""
+        """Return zeros `[N]`, or `[N, A]` for a team: the environments of `stage_of` ignore them."""
         return np.zeros((len(observation), *self.agents), np.int64)
 
 
@@ -81,7 +81,7 @@ class UniformPolicy(Untrained):
         self.count, self.start, self.agents = int(action_space.n), int(action_space.start), agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
-        """Return one action for each row of `observation` `[N, size]`; of a team `[N, A]`."""
+        """Return one action for each row of `observation` `[N, size]`; for a team `[N, A]`."""
         import torch
 
         return self.start + torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()

@@ -1,4 +1,4 @@
-"""Cells of a column of θ with finitely many values: the parts of [-1, 1], as wide as their values are likely.
+"""Cells of a column of θ with finitely many values: parts of [-1, 1] whose widths follow the values' probabilities.
 
 Read next: `parameters`, the kinds of columns.
 """
@@ -14,13 +14,13 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Cells:
-    """The cells of the K values of a column in [-1, 1]: the wider a cell, the likelier its value in random levels.
+    """The cells of the K values of a column in [-1, 1]; wider cells have more probable values in random levels.
 
     Attributes:
         count: K.
         edges: `[K + 1]`, from -1 to 1; None: cells of equal width.
         ordered: whether neighboring values are similar, as those of integers are and options are not.
-        names: of the values, if known.
+        names: names of the values, if known.
     """
 
     count: int
@@ -47,7 +47,7 @@ class Cells:
 
 
 def cut(count: int, weights: Sequence[float] = (), ordered: bool = False, names: Sequence[str] = ()) -> Cells:
-    """Return the cells of [-1, 1] for these weights of any sum; none: of equal width."""
+    """Return the cells of [-1, 1] for these weights, which may have any sum; without weights, of equal width."""
     if not len(weights) or min(weights) == max(weights):
         return Cells(count, None, ordered, tuple(names))
     ends = np.cumsum(np.asarray(weights, float) / np.max(weights))

@@ -1,8 +1,8 @@
 """Checkpoints: the full state of a run in one file, written atomically.
 
-The file is written to a temporary name, synced and renamed. It is read with `weights_only=True`, so a file from a
-stranger cannot execute code. Types that torch does not support there (numpy arrays and integers of more than 64 bits,
-as in generator states) are encoded as tensors, numbers and strings. Read next: `methods`.
+The file is written to a temporary name, synced and renamed. It is read with `weights_only=True`, so an untrusted file
+cannot execute code. Types that torch does not support in this mode (numpy arrays and integers of more than 64 bits, as
+in generator states) are encoded as tensors, numbers and strings. Read next: `methods`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__a
 
 
 class CheckpointError(Exception):
-    """A checkpoint that cannot be written or read; one sentence says why."""
+    """A checkpoint that cannot be written or read; the message gives the reason."""
 
 
 def save(path: str | Path, state: dict[str, Any]) -> None:
-    """Write a checkpoint atomically: `path` holds the old one or the new one.
+    """Write a checkpoint atomically: at any time `path` holds either the old or the new checkpoint.
 
     `state` may hold dicts, lists, tuples, tensors, numpy arrays, numbers, strings and None.
     Raises `CheckpointError` for other types, and if the file cannot be written.
@@ -114,7 +114,7 @@ def encode(value: Any, where: str = "state") -> Any:
 
 
 def decode(value: Any) -> Any:
-    """Decode the output of `encode`; old names of keys and fields become the present ones, see `renamed`."""
+    """Decode the output of `encode`; old names of keys and fields become the current names, see `renamed`."""
     if isinstance(value, list):
         return [decode(item) for item in value]
     if not isinstance(value, dict):
@@ -143,7 +143,7 @@ def _encode_array(array: np.ndarray, where: str) -> dict[str, Any]:
 
 
 def _decode_array(value: dict[str, Any]) -> np.ndarray:
-    described = ast.literal_eval(value["dtype"])  # in older checkpoints a dictionary
+    described = ast.literal_eval(value["dtype"])  # older checkpoints hold a dictionary
     dtype = np.dtype(described) if "names" in described else np.lib.format.descr_to_dtype(described)
     return present_fields(np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy())
 

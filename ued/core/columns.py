@@ -1,6 +1,6 @@
 """Tables on disk as numpy arrays by column: CSV files, and folders of Parquet files.
 
-PyArrow reads them where it is installed, several times faster; a CSV file can be read without it. Read next:
+If PyArrow is installed, it reads them several times faster; CSV files can be read without it. Read next:
 `core.renamed`, the old names of columns; `levels.table`, the levels of a run.
 """
 
@@ -20,7 +20,7 @@ from ued.core.renamed import present_names
 
 Columns = dict[str, np.ndarray]
 Wanted = Callable[[str], bool]
-LARGE = 200_000  # bytes from which PyArrow saves more time than its import takes
+LARGE = 200_000  # bytes; in larger files PyArrow saves more time than its import takes
 PARTS = "part-*.parquet"
 
 
@@ -30,7 +30,7 @@ def every(name: str) -> bool:
 
 
 def read_csv(path: Path, wanted: Wanted = every, words: Collection[str] = ()) -> Columns:
-    """Return the wanted columns of a CSV file, `[R]` each, by their present names.
+    """Return the wanted columns of a CSV file, `[R]` each, by their current names.
 
     Numbers are float64, nan for empty cells; the columns in `words` are strings. A last line without its newline is
     skipped. Raises `ValueError` for a damaged file: not text, a wrong number of cells, cells that are not numbers.
@@ -64,7 +64,7 @@ def _by_arrow(data: bytes, begin: int, width: int, columns: dict[str, int], word
             arrow_csv.ParseOptions(ignore_empty_lines=False),
             arrow_csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", "nan"]),
         )
-    except pa.ArrowInvalid:  # it names neither line nor column of the file
+    except pa.ArrowInvalid:  # its message names neither line nor column
         _by_rows(data, begin, width, columns, words)
         raise
     return {name: _plain(table[str(at)]) for name, at in columns.items()}
@@ -94,9 +94,9 @@ def read_parts(folder: Path, wanted: Wanted = every, rows: np.ndarray | None = N
     """Return the wanted columns of the Parquet files `part-*.parquet` of a folder, in the order of their names.
 
     Args:
-        folder: with the files.
+        folder: the folder of the files.
         wanted: whether a column is read.
-        rows: indices of the rows to return `[R]`, ascending; None: all. Memory is that of these rows and of one file.
+        rows: indices of the rows to return `[R]`, ascending; None: all. Only these rows and one file are in memory.
 
     Types as in `read_csv`. Raises `ValueError` for a damaged file, `ModuleNotFoundError` without PyArrow.
     """

@@ -1,7 +1,7 @@
 """Arguments of a simulator that plays whole rollouts in one kernel: plain records of arrays.
 
 A rollout in Python calls the network and the environments once per step. For small networks and fast simulators these
-calls take most of the time. `UPOMDP.play` takes a `CompiledRollout` instead and plays many steps in one call: it acts,
+calls take most of the time. `UPOMDP.play` takes a `CompiledRollout` instead and plays many steps in one call. It acts,
 steps, records the results, and starts the next episodes on the levels passed to it. It returns when it needs another
 level. `regista.kernels.rollout` has kernels for all of this except the step.
 
@@ -16,15 +16,15 @@ from typing import NamedTuple
 import numpy as np
 
 LANES = 16  # rows that a network evaluates together
-SCRATCH = 5  # arrays that it needs for that
+SCRATCH = 5  # arrays of intermediate results
 
-# A layer: whether tanh follows, or whether it is the input layer of a GRU, followed by the recurrent one; where its
-# matrix `[outputs, inputs]` and its bias begin in the weights, and its size.
+# A layer: whether tanh follows it, whether it is the input layer of a GRU (the recurrent layer is next), the places in
+# the weights where its matrix `[outputs, inputs]` and its bias begin, and its size.
 LAYER = np.dtype(
     [("tanh", np.bool_), ("gru", np.bool_)] + [(name, np.int64) for name in ("matrix", "bias", "inputs", "outputs")]
 )
-# Progress of a kernel: the `step` of the rollout, the step `until` which it plays, how many levels are `taken`, at most
-# `most`, how many `events` there are; and why it stopped early: it `needs_level`, or an environment has `failed`.
+# Progress of a kernel: the `step` of the rollout, the step `until` which it plays, the number of levels `taken` (at
+# most `most`), the number of `events`, and the reason for an early stop: it `needs_level`, or an environment `failed`.
 COUNTERS = np.dtype(
     [(name, np.int64) for name in ("step", "until", "taken", "most", "events")]
     + [("needs_level", np.bool_), ("failed", np.bool_)]
@@ -32,7 +32,7 @@ COUNTERS = np.dtype(
 
 
 class Network(NamedTuple):
-    """Weights of one network, or of one for each policy, and its layers: `kernels.rollout.network` runs it.
+    """Weights and layers of a network, or of one network for each policy: `kernels.rollout.network` runs it.
 
     Without layers the critic is part of the actor, whose last output is then the value.
     """
@@ -64,7 +64,7 @@ class Steps(NamedTuple):
     action: np.ndarray  # [T, N, A] int64
     log_prob: np.ndarray  # [T, N, A] float32
     value: np.ndarray  # [T, N, A] float32
-    reward: np.ndarray  # [T, N, 1] float32, of opponents [T, N, A]
+    reward: np.ndarray  # [T, N, 1] float32, for opponents [T, N, A]
     terminated: np.ndarray  # [T, N] bool
     truncated: np.ndarray  # [T, N] bool
     final_value: np.ndarray  # [T, N, A] float32
@@ -89,7 +89,7 @@ class Envs(NamedTuple):
     success: np.ndarray  # [N] float64, of the episodes that ended: 1, 0, nan if unknown
     restart: np.ndarray  # [N] bool, whether the next episode starts after this step
     start: np.ndarray  # [N] int64, the row of the prepared level that it starts on; negative: on the same level
-    final_observation: np.ndarray  # [LANES, A, F] float32, the next four: of truncated episodes
+    final_observation: np.ndarray  # [LANES, A, F] float32; this and the next three: of truncated episodes
     final_memory: np.ndarray  # [LANES, W] float32
     final_value: np.ndarray  # [LANES, A] float32
     final_env: np.ndarray  # [LANES] int64
@@ -98,7 +98,7 @@ class Envs(NamedTuple):
 class Levels(NamedTuple):
     """The levels passed to a kernel, in the order in which environments take them."""
 
-    start: np.ndarray  # [K] int64, the row under which the simulator has prepared the level; negative: it has not
+    start: np.ndarray  # [K] int64, the row of the level that the simulator has prepared; negative: not prepared
     seed: np.ndarray  # [K] uint64
     visit: np.ndarray  # [K] int64
     num_episodes: np.ndarray  # [K] int64
@@ -106,11 +106,11 @@ class Levels(NamedTuple):
 
 
 class Events(NamedTuple):
-    """The episodes that ended, in their order: by step, then by environment; E of T * N rows are used."""
+    """The episodes that ended, ordered by step, then by environment; E of T * N rows are used."""
 
     step: np.ndarray  # int64
     env: np.ndarray  # int64
-    left: np.ndarray  # int64, episodes left on the level, this one included
+    left: np.ndarray  # int64, episodes left on the level, including this episode
     returns: np.ndarray  # float64
     length: np.ndarray  # int64
     success: np.ndarray  # float64

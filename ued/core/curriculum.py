@@ -4,7 +4,7 @@
     ...                                        # play them; fill in records["returns"] and other results
     metrics = curriculum.update(records)       # the curriculum learns from the results
 
-A curriculum has no environment, no network of a student and no rollout. DR, PLR, ACCEL, SFL, NCC, ALP-GMM, minimax,
+A curriculum contains no environment, student network or rollout. DR, PLR, ACCEL, SFL, NCC, ALP-GMM, minimax,
 self-regret and PAIRED's teacher are curricula. Read next: `methods.method`, our trainer; `methods`, the curricula;
 `examples`, with other trainers.
 """
@@ -25,7 +25,7 @@ class Curriculum(Protocol):
     """Chooses levels and learns from the results of students on them.
 
     Attributes:
-        dtype: of its level records, see `levels.record.level_record_dtype`.
+        dtype: dtype of its level records, see `levels.record.level_record_dtype`.
     """
 
     @property
@@ -44,11 +44,11 @@ class Curriculum(Protocol):
         """Return the whole state, from which a curriculum made with the same arguments resumes."""
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned."""
+        """Restore a state returned by `state_dict`."""
 
 
 def need_vector(space: LevelSpace) -> None:
-    """Raise `ValueError` for a space without a vector θ of numbers: one without parameters, or a family of levels."""
+    """Raise `ValueError` for a space without a vector θ of numbers: no parameters, or a family of levels."""
     if not space.theta_dim:
         raise ValueError("the environment has no free parameters for a curriculum to choose; use dr")
     if space.level_family is not None:
@@ -64,7 +64,7 @@ class ThetaSpace(LevelSpace, Resumable):
     Args:
         dim: D, or the parameters, as for `theta` of `GymUPOMDP`.
         valid: returns which rows of θ `[n, D]` are valid, bool `[n]`; None: all.
-        seed: of the random stream of levels and their seeds.
+        seed: seed of the random stream of levels and their seeds.
     """
 
     state_fields = ("stream",)
@@ -73,7 +73,7 @@ class ThetaSpace(LevelSpace, Resumable):
         self.theta_map = ThetaMap(dim)
         self.parameters, self.level_family = self.theta_map.draws, self.theta_map.level_family
         self.seeds = self.theta_map.seeds
-        self.stream = np.random.default_rng([1, seed])  # not that of a curriculum with the same seed
+        self.stream = np.random.default_rng([1, seed])  # differs from the stream of a curriculum with the same seed
         self._valid = valid
 
     @property

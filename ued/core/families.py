@@ -24,8 +24,8 @@ class LevelFamily(Protocol):
     Four attributes are optional:
         parameters: a mapping from the name of each column of a code, in their order, to its `Range`, `LogRange`,
             `Integer`, `Choice` or a pair (low, high). An adversary then chooses a value for each column, and `decode`
-            makes a level of them. It sets a column of K values to the center of one of the K equal parts of [-1, 1].
-            The weights of a `Choice` are the adversary's initial probabilities.
+            makes a level from the values. A column of K values is set to the center of one of the K equal parts of
+            [-1, 1]. The weights of a `Choice` are the adversary's initial probabilities.
         builder: a `LevelBuilder`.
         simplest: `simplest(rng)` samples a level from which edits may begin, such as an empty room (Parker-Holder et
             al. 2022, section 3): `--accel.new-levels simplest`.
@@ -56,8 +56,8 @@ class LevelBuilder(Protocol):
     """The steps in which an adversary builds levels, for n levels at a time (Dennis et al. 2020, section 5).
 
     Levels under construction are one object of any type, which `apply` may change in place. All randomness must follow
-    from a level's luck, since the adversary stores the luck and the actions of a level and rebuilds it when its score
-    is available.
+    from a level's luck. The adversary stores only the luck and the actions of a level, and rebuilds the level when its
+    score is available.
 
     Attributes:
         steps: number of steps K, the same for all levels.
@@ -83,4 +83,4 @@ class LevelBuilder(Protocol):
         """
 
     def codes(self, levels: Any) -> np.ndarray:
-        """Return the codes `[n, size]` of levels that are finished."""
+        """Return the codes `[n, size]` of finished levels."""

@@ -15,7 +15,7 @@ PARTIAL = ".partial"  # the end of the name of a file that is being written
 def write_whole(path: Path, content: bytes | memoryview | str) -> None:
     """Write a file atomically: to a temporary file, synced, renamed.
 
-    Raises OSError with its name; the file then stays unchanged. See `partial_of` for the temporary file.
+    Raises OSError with the name of the file, which then stays unchanged. See `partial_of` for the temporary file.
     """
     partial = partial_of(path)
     try:
@@ -24,16 +24,16 @@ def write_whole(path: Path, content: bytes | memoryview | str) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)
-    except OSError as error:  # errors of writing carry no file name
+    except OSError as error:  # write errors carry no file name
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        with suppress(OSError):  # missing after the renaming, or without the folder
+        with suppress(OSError):  # missing after the renaming, or if the folder is missing
             partial.unlink()
     _sync_folder(path.parent)
 
 
 def partial_of(path: Path) -> Path:
-    """Return the temporary file of this process for a file; those of ended processes are removed."""
+    """Return the temporary file of this process for a file; remove those of ended processes."""
     _tidy(path)
     return path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
 

@@ -1,8 +1,8 @@
 """Levels and the space of levels: all that a curriculum needs from environments.
 
 A level is a record (program, seed, θ). θ `[D]` in [-1, 1] are the free parameters. All random numbers of the level's
-layout come from its seed, so a replayed level is the level that was scored. Luck differs between episodes; its seeds
-come from `luck_seed`.
+layout come from its seed, so a replayed level equals the scored level. Luck differs between episodes; its seeds come
+from `luck_seed`.
 
 Letters: `D` dimensions of θ, `n` levels. Read next: `parameters`, the columns of θ; `upomdp`, which plays levels.
 """
@@ -36,7 +36,7 @@ def level_dtype(dim: int) -> np.dtype:
 
 
 def as_void_view(records: np.ndarray) -> np.ndarray:
-    """Return a view of records as raw memory, of which numpy copies whole rows instead of field by field."""
+    """Return a view of records as raw memory: numpy then copies whole rows instead of single fields."""
     array = np.asarray(records)  # drops the slow class of a recarray
     return array.view(np.dtype((np.void, array.itemsize)))
 
@@ -62,11 +62,11 @@ def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
 
 
 def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
-    """Return the seed of an episode's luck, a fixed function of level seed, visit and number of the episode.
+    """Return the seed of an episode's luck, a fixed function of level seed, visit number and episode number.
 
     All students that play a visit of a level have the same luck in its k-th episode; another visit has other luck. The
-    first episode of visit 0 has the seed of the level itself. The seed is xor-ed with 31 bits of a hash of the two
-    numbers (SplitMix64's finalizer: Steele, Lea and Flood, OOPSLA 2014).
+    first episode of visit 0 has the seed of the level itself. The level seed is xor-ed with 31 bits of a hash of the
+    other two numbers (SplitMix64's finalizer: Steele, Lea and Flood, OOPSLA 2014).
     """
     state = (visit * 0x9E3779B97F4A7C15 + episode * 0xD1342543DE82EF95) & BITS
     state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & BITS
@@ -84,10 +84,10 @@ class LevelSpace:
         level_family: samples and mutates levels that are not vectors of parameters; θ are then their codes.
         program_names: names of the K programs of a `mixture`; a level's `program` is an index into them. Empty for a
             single program.
-        program_parameters: for each of these programs its columns of θ, which follow column 0, the program.
+        program_parameters: the columns of θ of each of these programs, which follow column 0, the program.
         seeds: the available seeds, if levels differ only by seed; a level's seed then follows from its θ.
         seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed also
-            determines the layout, and two levels of the same θ differ.
+            determines the layout, and two levels with the same θ differ.
         theta_map: defines `valid` and `describe`, such as a program or a `parameters.ThetaMap`; None: all levels are
             valid, and values are linear between low and high.
     """
@@ -155,7 +155,7 @@ class LevelSpace:
     def key_of(self, level: np.void) -> bytes:
         """Return a key that is unique to a level: its program and θ, and its seed.
 
-        The seed is left out where it only determines luck, and for a family, whose codes identify levels.
+        The seed is left out if it only determines luck, and for a family, whose codes identify levels.
         """
         key = level["program"].tobytes() + level["theta"].tobytes()
         return key if self.seed_is_luck or self.level_family is not None else key + level["seed"].tobytes()
@@ -167,7 +167,7 @@ class LevelSpace:
     def simplest_levels(self, count: int) -> np.ndarray:
         """Sample levels from which edits may begin, `[count]` of `level_dtype(D)`.
 
-        Raises ValueError if there is no family of levels that has them; see `families`.
+        Raises ValueError if no level family defines such levels; see `families`.
         """
         family, simplest = self.level_family, getattr(self.level_family, "simplest", None)
         if family is None or simplest is None:
@@ -191,7 +191,7 @@ class LevelSpace:
         raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
 
     def _draw(self, count: int) -> np.ndarray:
-        """Sample θ `[count, D]` without a check of validity, which is that of the quantized θ."""
+        """Sample θ `[count, D]`, quantized where columns have finitely many values, without a validity check."""
         if self.level_family is None:
             return parameters.quantize(self._stream.uniform(-1.0, 1.0, (count, self.theta_dim)), self.parameters)
         family = self.level_family

@@ -1,7 +1,7 @@
 """User code by name, `module:name` or `file.py:name`: scores of levels and networks.
 
-A user who names code in Python or on a command line has chosen to run it. A file of another user may also name code. So
-code that reads files calls `note_read`, and `load` then calls `checks` before it imports anything. Read next:
+Names in Python or on a command line are trusted: the user chose to run this code. A file of another user may also name
+code, so readers of files call `note_read`, and `load` then calls `checks` before any import. Read next:
 `levels.scores`, `learning.own_network`; `regista.experiments.run.trust`, the rules of the command line.
 """
 
@@ -25,7 +25,7 @@ NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
 
 
 class OwnCodeError(ValueError):
-    """User code that is missing, fails, or returns a wrong value; one sentence says what is expected."""
+    """User code that is missing, fails, or returns a wrong value; the message gives the expected value."""
 
 
 def _refuse(name: str) -> None:
@@ -63,13 +63,13 @@ def permit(name: str) -> None:
 
 
 def check(name: str) -> None:
-    """Raise the error of the last one of `checks` for code that a file names and that may not run."""
+    """Raise the error of the last of `checks` for code that a file names and that may not run."""
     if is_noted(name):
         checks[-1](canonical(name))
 
 
 def load(name: str) -> Any:
-    """Return the object of a name; import its file or module if necessary.
+    """Return the object that a name refers to; import its file or module if necessary.
 
     Raises `OwnCodeError` if it is missing or cannot be imported, and the error of a check for a name from a file.
     """

@@ -18,8 +18,8 @@ class ScenePainter(Protocol):
     recordings draw no path of them, and maps of many levels omit them.
     """
 
-    bounds: tuple[float, float, float, float]  # of initial positions: x low, x high, y low, y high
-    reach: tuple[float, float, float, float]  # of positions during an episode, in the same order
+    bounds: tuple[float, float, float, float]  # bounds of initial positions: x low, x high, y low, y high
+    reach: tuple[float, float, float, float]  # bounds of positions during an episode, in the same order
     background: Color
     line_color: Color
     markers: Sequence[tuple[str, Color, float]]  # by class: name, color, radius (m)

@@ -190,7 +190,7 @@ class Column(NamedTuple):
 
 @dataclass(frozen=True)
 class Seeds:
-    """Levels that are seeds alone, as in Procgen: `first`, `first + 1`, ..., `count` of them, for `reset(seed=)`.
+    """Levels that differ only by seed, as in Procgen: `count` seeds `first`, `first + 1`, ... for `reset(seed=)`.
 
     Raises:
         ValueError: seeds outside [0, 2^31).
@@ -421,8 +421,8 @@ def edit(
 ) -> np.ndarray:
     """Return copies of θ `[k, D]` with `num_edits` edits each, which depend on the kind of the column.
 
-    A real number changes by up to `edit_size`, within [-1, 1]; an integer by at least 1 and at most that share of its
-    values. A choice becomes another of its options, drawn by their weights.
+    A real number changes by up to `edit_size`, within [-1, 1]. An integer of K values changes by at least 1 and at most
+    K `edit_size` / 2, rounded. A choice becomes another of its options, drawn by their weights.
     """
     edited, cells = theta.copy(), [cells_in(draw) for draw in draws]
     counts = np.array([0 if known is None else known.count for known in cells])
@@ -439,7 +439,7 @@ def edit(
 
 
 def _other_value(x: float, cells: Cells, share: float, rng: np.random.Generator) -> float:
-    """Return the θ of another value: a near one if values are ordered, else any value, drawn by weight."""
+    """Return the θ of another value: a nearby value if values are ordered, else any value, drawn by weight."""
     index = int(cells.index(x))
     if not cells.ordered:
         weights = cells.shares.copy()

@@ -49,7 +49,7 @@ class Parts(Box):
 
     Attributes:
         parts: all parts in their order.
-        images: those that convolutions read; see `image_shape`.
+        images: the parts that convolutions read; see `image_shape`.
         others: the entries that belong to no image, int64 `[k]`.
 
     Raises ValueError for parts of other spaces.
@@ -73,7 +73,7 @@ class Parts(Box):
     def flatten_batch(self, observations: Any) -> np.ndarray:
         """Return observations of N environments, a dict or tuple of arrays `[N, ...]`, as vectors `[N, F]`.
 
-        Raises ValueError for a part that is missing, has another shape, or is no value of its space.
+        Raises ValueError for a part that is missing, has another shape, or is not in its space.
         """
         return self._rows(observations, single=False)
 
@@ -99,7 +99,7 @@ class Parts(Box):
 def image_shape(space: Space) -> tuple[int, ...] | None:
     """Return the shape of images `[height, width, channels]` or `[channels, height, width]`; None for other spaces.
 
-    Images are at least `LEAST` high and wide. Gray ones, two axes of bytes, get an axis of one channel.
+    Images are at least `LEAST` high and wide. Gray images, two axes of bytes, get an axis of one channel.
     """
     if not isinstance(space, Box):
         return None

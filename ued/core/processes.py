@@ -14,6 +14,6 @@ START_METHOD = "fork" if sys.platform == "linux" else None  # None: Python's def
 
 
 def end_with_parent(number: int) -> None:
-    """Make the kernel send this process a signal when its parent ends in any way. Only Linux supports this."""
+    """Make the kernel send this process a signal when its parent ends for any reason. Only Linux supports this."""
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)

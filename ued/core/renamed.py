@@ -1,4 +1,4 @@
-"""Old names in files of older runs, mapped to present names when checkpoints and tables are read.
+"""Old names in files of older runs, mapped to current names when checkpoints and tables are read.
 
 A field or key of a checkpoint, or a column of a table, that has an old name is read under its new name. Read next:
 `checkpoint`, `columns` and `experiments/run/table.py`, which use it.
@@ -11,22 +11,22 @@ from typing import Any
 
 import numpy as np
 
-# Old name -> present name.
+# Old name -> current name.
 RENAMED = {"turn": "visit", "next_turn": "next_visit"}
 
 
 def present_names(names: Iterable[str]) -> list[str]:
-    """Return the present names of columns or fields that may have old ones, in their order."""
+    """Return the current names of columns or fields that may have old names, in their order."""
     return [RENAMED.get(name, name) for name in names]
 
 
 def present_keys(state: dict[Any, Any]) -> dict[Any, Any]:
-    """Return a dictionary with the present names of its keys."""
+    """Return a dictionary with the current names of its keys."""
     return {RENAMED.get(key, key): value for key, value in state.items()}
 
 
 def present_fields(records: np.ndarray) -> np.ndarray:
-    """Return records with the present names of their fields; other arrays unchanged."""
+    """Return records with the current names of their fields; other arrays unchanged."""
     names, fields = records.dtype.names, records.dtype.fields
     if names is None or fields is None or not RENAMED.keys() & set(names):
         return records

@@ -17,8 +17,8 @@ NUMBER, WHOLE = "a number", "an integer"
 class Resumable:
     """An object whose mutable attributes are listed in `state_fields`.
 
-    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own;
-    `optional_fields` holds the types of those that may be None.
+    They may be numbers, arrays, generators of numpy or torch, and objects with their own `state_dict`.
+    `optional_fields` holds the types of attributes that may be None.
     """
 
     state_fields: tuple[str, ...] = ()
@@ -29,9 +29,10 @@ class Resumable:
         return {name: _saved(getattr(self, name)) for name in self.state_fields}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError for other types or shapes, KeyError for missing fields.
+        """Restore a state returned by `state_dict`.
 
-        The first axis of arrays may have another length, since some grow; subclasses check it if it may not.
+        The first axis of arrays may have another length, since some arrays grow; subclasses check it where it may not.
+        Raises ValueError for other types or shapes, KeyError for missing fields.
         """
         for name in self.state_fields:
             value, saved = getattr(self, name), state[name]

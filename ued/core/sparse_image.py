@@ -22,7 +22,7 @@ class SparseImage(Box):
     """The space of binary images `[height, width, channels]`, each as the coordinates of its pixels that are not 0.
 
     An observation is `[most, 3]`: row, column and channel of each pixel, once, in the order of the image in memory.
-    Unused rows are (height, 0, 0), a pixel below the image. A pixel has the upper bound of the image's space as value.
+    Unused rows are (height, 0, 0), a pixel below the image. The value of a pixel is the upper bound of `image`.
 
     Args:
         image: the space of the images, a Box with the bounds 0 and a finite number.
@@ -79,7 +79,7 @@ class SparseImage(Box):
 
 
 def dense_space(space: Space) -> Space:
-    """Return the space of the images of a `SparseImage`, `[A, ...]` of A agents; any other space as it is."""
+    """Return the space of the images of a `SparseImage`, `[A, ...]` for A agents; other spaces unchanged."""
     if not isinstance(space, SparseImage) or space.agents == 1:
         return space.image if isinstance(space, SparseImage) else space
     low, high = (np.broadcast_to(bound, (space.agents, *bound.shape)) for bound in (space.image.low, space.image.high))
@@ -87,5 +87,5 @@ def dense_space(space: Space) -> Space:
 
 
 def as_dense(space: Space, observations: Any) -> Any:
-    """Return observations of a `SparseImage` as images; those of any other space as they are."""
+    """Return observations of a `SparseImage` as images; observations of other spaces unchanged."""
     return space.dense(observations) if isinstance(space, SparseImage) else observations

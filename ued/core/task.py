@@ -40,11 +40,11 @@ class Task:
         baselines: untrained policies by name, made for environments; "random" always exists.
         defaults: settings of a run that differ from the preset's, by dotted path: `{"ppo.gamma": 0.9}`.
         success_word: name of successful episodes in tables.
-        about: a sentence on each test scene, by name, for listings.
+        about: one sentence about each test scene, by name, for listings.
 
     Raises:
-        ValueError: for parts of other types, and for names of scenes or baselines that are no single line of text or
-            that are the training distribution's.
+        ValueError: for parts of other types, and for names of scenes or baselines that are not a single line of text
+            or that equal the name of the training distribution.
     """
 
     make: Make

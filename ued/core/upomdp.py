@@ -1,7 +1,7 @@
 """The interface of environments and methods: an under-specified POMDP as a Gymnasium vector environment.
 
 A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that are set from outside. θ is a row of
-[-1, 1]^D, a *level* is a record (program, seed, θ), and N environments play N levels at a time. The training method
+[-1, 1]^D. A *level* is a record (program, seed, θ). N environments play N levels at a time. The training method
 chooses the next level; until it does, an environment repeats its level.
 
 Every episode of a level starts from the same layout, which follows from the level alone. Episodes differ by luck, whose
@@ -53,7 +53,7 @@ def of_one_agent(space: Space, agents: int) -> Space:
 def successes(info: dict[str, Any], ended: np.ndarray, returns: np.ndarray) -> np.ndarray:
     """Return which of the episodes that ended in the environments `ended` `[k]` succeeded: float `[k]`, 0 or 1.
 
-    `info["success"]` `[N]` decides; if it is missing, or NaN, a return above 0 is a success.
+    `info["success"]` `[N]` determines this; if it is missing, or NaN, a return above 0 is a success.
     """
     said = np.asarray(info["success"], float)[ended] if "success" in info else np.full(len(ended), np.nan)
     return np.where(np.isnan(said), returns > 0, said)
@@ -67,9 +67,9 @@ def check_count(num_envs: Any) -> int:
 
 
 def steps_as_it_plays(upomdp: UPOMDP) -> bool:
-    """Return whether single steps of an environment are those of its `_play`.
+    """Return whether single steps of an environment equal the steps of its `_play`.
 
-    They are not if a subclass, or this instance, overrides step methods that its kernel does not call.
+    They differ if a subclass, or this instance, overrides step methods that its kernel does not call.
     """
     kinds = type(upomdp).__mro__
     depth = next(depth for depth, kind in enumerate(kinds) if "_play" in vars(kind))
@@ -88,9 +88,9 @@ class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
     Subclasses call `__init__` and define `_start` and `_advance`; they may define `valid`, `describe`, `get_state` and
-    `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`):
-    `info["final_obs"]` holds the last observations of ended episodes, dense `[N, ...]`, `info["_final_obs"]` `[N]` is
-    the mask of its valid rows, and `info["final_info"]` is the info of that step. A trainer that chooses levels calls
+    `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`).
+    `info["final_obs"]`, dense `[N, ...]`, then holds the last observations of ended episodes. `info["_final_obs"]`
+    `[N]` masks its valid rows; `info["final_info"]` is the info of that step. A trainer that chooses levels calls
     `advance`, which restarts nothing, and then `reset_to_levels` or `play_again`: one reset per episode. An environment
     reports the success of ended episodes in `info["success"]` `[N]`: 1, 0, or NaN if unknown. Without it a return above
     0 is a success; see `successes`.
@@ -101,16 +101,16 @@ class UPOMDP(LevelSpace, VectorEnv):
         visits: the number of this visit of the level, int `[N]`; another visit of the same level has other luck.
         episodes: the number of the episode in its visit, int `[N]`, starting at 0.
         level_sampler: function that `step` calls with k when k episodes ended; it returns the next k levels of those
-            environments, each a new visit. None: each repeats its level. Domain randomization per episode is
+            environments, each a new visit. None: environments repeat their levels. Domain randomization per episode is
             `level_sampler = sample_levels`.
         idle: bool `[N]`, environments that need not be stepped; the values that `step` returns for them are
             meaningless. See `mixture`.
-        num_agents: A, agents of each environment, who share one reward. A single agent has no axis of agents; with
-            several, observations and actions are `[N, A, ...]`, of the same space for all.
+        num_agents: A, the agents of each environment, which share one reward. A single agent has no axis of agents;
+            with several, observations and actions are `[N, A, ...]`, with the same space for all agents.
         max_episode_steps: maximum length of an episode in steps; None: unknown.
         individual_rewards: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
             The rewards `[N]`, from which curricula score levels, are then those of the first side.
-        first_side: opponents: how many agents are on the first side; they come first, and their critics score levels.
+        first_side: for opponents, the number of agents on the first side: the first ones, whose critics score levels.
     """
 
     num_agents = 1
@@ -150,7 +150,7 @@ class UPOMDP(LevelSpace, VectorEnv):
 
     @property
     def supports_state(self) -> bool:
-        """Whether a checkpoint can hold what `get_state` returns; otherwise a resumed run restarts open episodes."""
+        """Whether a checkpoint can hold the result of `get_state`; otherwise a resumed run restarts open episodes."""
         return type(self).get_state is not UPOMDP.get_state
 
     @property
@@ -169,8 +169,8 @@ class UPOMDP(LevelSpace, VectorEnv):
     def observation_scale(self) -> np.ndarray | None:
         """The size of a large change of each entry of an agent's observation, `[F]`; 0, or None for all: unknown.
 
-        Students do not scale an entry up beyond a share of it (`PPOConfig.obs_std_floor`). It depends on the meaning of
-        the entry: a pole 0.05 rad from upright is falling, though an angle might be 1.
+        The divisor of a normalized entry is at least a share of this size (`PPOConfig.obs_std_floor`). The size depends
+        on the meaning of the entry: a pole 0.05 rad from upright is falling, though an angle might be 1.
         """
         return None
 
@@ -178,7 +178,7 @@ class UPOMDP(LevelSpace, VectorEnv):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         """Start an episode of `levels` `[k]` in the environments `where` (indices `[k]`); return all observations.
 
-        Random numbers of the layout come from the level's seed, those of luck from `luck_seeds(where)`.
+        Random numbers of the layout come from the level's seed, random numbers of luck from `luck_seeds(where)`.
         """
 
     @abstractmethod
@@ -201,7 +201,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return False
 
     def _prepare(self, levels: np.ndarray) -> np.ndarray:
-        """Prepare levels `[k]` for `_play`; return the rows under which it finds them, negative for invalid ones."""
+        """Prepare levels `[k]` for `_play`; return their rows in the simulator, negative for invalid levels."""
         raise NotImplementedError(f"{type(self).__name__} does not play rollouts")
 
     def _play(self, rollout: CompiledRollout) -> None:
@@ -221,7 +221,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         self._play(rollout)
         self.visits[:], self.episodes[:] = envs.visit, envs.episode
         taken = np.flatnonzero(ended.taken[: rollout.counters["events"][0]] >= 0)
-        for event in taken.tolist():  # in their order: an environment may have taken several
+        for event in taken.tolist():  # in order, since an environment may have taken several levels
             self.levels[ended.env[event]] = levels[ended.taken[event]]
 
     def report_failure(self) -> None:
@@ -237,7 +237,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         raise NotImplementedError(f"{type(self).__name__} does not support get_state")
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Restore a state that `get_state` returned; return its observations `[N, ...]`."""
+        """Restore a state returned by `get_state`; return its observations `[N, ...]`."""
         raise NotImplementedError(f"{type(self).__name__} does not support set_state")
 
     def level_state(self) -> dict[str, Any]:
@@ -250,7 +250,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         }
 
     def set_level_state(self, state: Any, *names: str) -> None:
-        """Restore what `level_state` returned.
+        """Restore a state returned by `level_state`.
 
         Raises:
             ValueError: unless the state has these entries and `names`, and levels of this dtype for all
@@ -292,16 +292,16 @@ class UPOMDP(LevelSpace, VectorEnv):
     ) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
-        `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode;
-        the same level, visit and episode have the same luck in every environment. An invalid level is replaced by a
-        random valid one: `info["replaced"]` `[k]` is the mask of these, `info["levels"]` `[k]` the levels played.
+        `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode.
+        The same level, visit and episode have the same luck in every environment. An invalid level is replaced by a
+        random valid level. `info["replaced"]` `[k]` masks the replaced levels; `info["levels"]` `[k]` were played.
 
         Returns:
             the observations of all N environments, and infos.
 
         Raises:
             ThetaError: an invalid θ.
-            ValueError: a wrong number of levels or another mask.
+            ValueError: a wrong number of levels or an invalid mask.
         """
         chosen = np.flatnonzero(self._mask(where))
         self._check_levels(levels, len(chosen))
@@ -390,7 +390,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset_to_levels(levels, where)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all environments; an environment whose episode ended starts its next one (see the class).
+        """Step all environments; an environment whose episode ended starts its next episode (see the class).
 
         Returns:
             observations, rewards, terminated and truncated, `[N]` each, and infos.
@@ -422,8 +422,8 @@ class UPOMDP(LevelSpace, VectorEnv):
     def start_next(self, where: np.ndarray) -> Any:
         """Start the next episodes in the environments `where` (bool `[N]`).
 
-        They play the levels that `level_sampler` returns, or without it the same ones. A level that it returns is a new
-        visit, whose number is drawn from the random stream of levels.
+        They play the levels that `level_sampler` returns, or without it the same levels. A level that it returns
+        is a new visit, whose number is drawn from the random stream of levels.
 
         Returns:
             the observations of all N environments.
@@ -445,5 +445,5 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode on the same levels: the next one of their visits."""
+        """Start a new episode on the same levels: the next episode of their visits."""
         return self.play_again()

@@ -31,7 +31,7 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
         return by_hand(student, seen, old, config)
     policy, value = student.policy_and_value(seen, old.past)  # B distributions, [B]
     outputs: list[Tensor]
-    gradients: list[Tensor | None]  # of the loss with respect to each output; None: the output is a part of the loss
+    gradients: list[Tensor | None]  # of the loss by each output; None: the output is a part of the loss
     if isinstance(policy, Categorical):
         parts, *gradients = categorical_losses(policy.logits, value, old, config)
         outputs = [policy.logits, value]
@@ -55,7 +55,7 @@ def has_tanh_layers(student: Student) -> bool:
 
 
 def learns_all(student: Student) -> bool:
-    """Return whether no weight of the student's layers is frozen, for `has_tanh_layers`."""
+    """Return whether no weight of the layers is frozen, for students with `has_tanh_layers`."""
     layers = (*student.actor_torso, *student.critic_torso, student.actor.layer, student.critic)
     return all(layer.weight.requires_grad and layer.bias.requires_grad for layer in layers if type(layer) is nn.Linear)
 
@@ -88,7 +88,7 @@ def _linear(layer: nn.Linear, features: Tensor) -> Tensor:
 
 
 def _features(torso: nn.Sequential, seen: Tensor) -> list[Tensor]:
-    """Return the inputs of each tanh layer, and the output of the last, `[B, ...]` each."""
+    """Return the inputs of each tanh layer and the output of the last layer, `[B, ...]` each."""
     features = [seen]
     for layer in torso:
         if isinstance(layer, nn.Linear):
@@ -97,7 +97,7 @@ def _features(torso: nn.Sequential, seen: Tensor) -> list[Tensor]:
 
 
 def _backward(torso: nn.Sequential, features: Sequence[Tensor], gradient: Tensor) -> None:
-    """Write the gradient of the weights of tanh layers, given that of their last output, `[B, size]`."""
+    """Write the gradient of the weights of tanh layers, given the gradient `[B, size]` of their last output."""
     layers = [layer for layer in torso if isinstance(layer, nn.Linear)]
     for depth in reversed(range(len(layers))):
         gradient = TANH_BACKWARD(gradient, features[depth + 1])

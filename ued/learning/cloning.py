@@ -36,7 +36,7 @@ class Demonstrated:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
         mask: bool, like `action`: False for unknown actions; these steps are not used.
-        returns: discounted return from this step on: `[B]` of all agents, or of opponents `[B, A]`.
+        returns: discounted return from this step on: `[B]` of all agents, or for opponents `[B, A]`.
     """
 
     observation: Tensor
@@ -45,13 +45,13 @@ class Demonstrated:
     returns: Tensor
 
     def rows(self, rows: Tensor) -> Demonstrated:
-        """Return some of the steps."""
+        """Return the steps with these indices."""
         return Demonstrated(*(column[rows] for column in vars(self).values()))
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Evaluation of a student on held-out demonstrations.
+    """Results of a student on held-out demonstrations.
 
     Attributes:
         loss: mean of - log π, in nats.
@@ -70,7 +70,7 @@ class Agreement:
 
     @property
     def recall(self) -> np.ndarray:
-        """The same for each demonstrated action `[n]`; nan for actions without demonstrations."""
+        """The accuracy for each demonstrated action `[n]`; nan for actions without demonstrations."""
         return self._agreed(self.counts.sum(1))
 
     @property
@@ -93,7 +93,7 @@ class Cloner(Resumable):
     """Trains a student on demonstrations, one epoch at a time; `generator` shuffles.
 
     Attributes:
-        epoch: number of epochs; `best_epoch` has the smallest loss on held-out steps, `best` is its student.
+        epoch: number of epochs so far. `best_epoch` had the smallest loss on held-out steps; `best` is its student.
     """
 
     state_fields = ("student", "optimizer", "generator", "epoch", "best_epoch", "best_loss", "best")
@@ -111,7 +111,7 @@ class Cloner(Resumable):
         """Read the demonstrations once before the first epoch, for observation statistics and action frequencies."""
         counts = torch.zeros(num_actions(self.student), dtype=torch.float64)
         for chunk in chunks:
-            if self.epoch == 0:  # a resumed student has the statistics
+            if self.epoch == 0:  # a resumed student already has the statistics
                 self.student.normaliser.track(chunk.observation)
             counts += torch.bincount(chunk.action[chunk.mask], minlength=len(counts))
         power = {"none": 0.0, "sqrt": 0.5, "balanced": 1.0}[self.config.class_weights]
@@ -161,7 +161,7 @@ class Cloner(Resumable):
         return self.epoch < self.config.epochs and self.epoch - self.best_epoch < self.config.patience
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`. Raises ValueError, KeyError or RuntimeError for another student."""
+        """Restore a state returned by `state_dict`. Raises ValueError, KeyError or RuntimeError for another student."""
         super().load_state_dict(state)
         if self.best or self.epoch:
             copy.deepcopy(self.student).load_state_dict(self.best)
@@ -181,7 +181,7 @@ class Cloner(Resumable):
 
 
 def value_error(value: Tensor, returns: Tensor) -> Tensor:
-    """Return half the squared errors of values `[B]` or `[B, A]` for returns `[B]` of all agents, or `[B, A]`."""
+    """Return half the squared errors of values `[B]` or `[B, A]`, given returns `[B]` of all agents, or `[B, A]`."""
     return 0.5 * (value - (returns if returns.ndim == value.ndim else returns[:, None])) ** 2
 
 

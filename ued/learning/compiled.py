@@ -35,22 +35,22 @@ class LevelsAhead(Protocol):
         """Return the next level records `[K]`, in the order in which environments are to take them."""
 
     def most(self) -> int:
-        """Return how many levels may be taken now; further environments repeat theirs."""
+        """Return how many levels may be taken now; other environments repeat their levels."""
 
     def due(self) -> list[int]:
         """Return the episodes left on the level of each environment `[N]`."""
 
     def apply(self, events: Events, due: list[int]) -> None:
-        """Record the episodes that ended, the levels taken, and the present `due`."""
+        """Record the episodes that ended, the levels taken, and the current `due`."""
 
 
 class CompiledWorker(RolloutWorker):
-    """A worker whose simulator plays its rollouts if it can; see `is_compiled`. The arguments are those of its base."""
+    """A worker whose simulator plays its rollouts if possible; see `is_compiled`. For arguments see `RolloutWorker`."""
 
-    record: CompiledRollout | None = None  # until the first rollout
+    record: CompiledRollout | None = None  # None until the first rollout
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "record": None}  # its arrays are those of this rollout, not those of a copied one
+        return {**vars(self), "record": None}  # its arrays belong to this rollout, not to a copy
 
     @property
     def is_compiled(self) -> bool:
@@ -75,7 +75,7 @@ class CompiledWorker(RolloutWorker):
         )
 
     def begin(self) -> None:
-        """Start a rollout: copy the weights, draw the random numbers of its actions."""
+        """Start a rollout: copy the weights and draw the random numbers of its actions."""
         super().begin()
         if not self.is_compiled:
             return
@@ -84,7 +84,7 @@ class CompiledWorker(RolloutWorker):
         steps, envs = self.record.steps, self.record.envs
         fill_policy(self.record.policy, self._student)
         torch.from_numpy(steps.uniform).uniform_(generator=self.generator)
-        for name in SHARED:  # another array after `load_state_dict`
+        for name in SHARED:  # `load_state_dict` replaces these arrays
             array = getattr(envs, name)
             array[:] = getattr(self, name)
             setattr(self, name, array)
@@ -140,12 +140,12 @@ class CompiledWorker(RolloutWorker):
         envs.observation[:] = self.observation.reshape(envs.observation.shape)
 
     def _look(self, envs: Envs) -> None:
-        """Copy the observations back, also if the rollout ends with an error: the next one starts with them."""
+        """Copy the observations back, also after an error, since the next rollout starts with them."""
         seen = envs.observation.copy()
         self.observation = seen if self.upomdp.num_agents > 1 else seen[:, 0]
 
     def _announce(self, record: CompiledRollout, records: np.ndarray) -> None:
-        """Write the next levels to the record, and the number of episodes left on the present ones."""
+        """Write the next levels to the record, and the number of episodes left on the current levels."""
         levels, counters, count = record.levels, record.counters[0], len(records)
         levels.seed[:count] = records["level"]["seed"]
         levels.visit[:count] = visits_of(records)
@@ -159,7 +159,7 @@ class CompiledWorker(RolloutWorker):
     def _note(self, record: CompiledRollout, first: int, records: np.ndarray) -> None:
         """Record the results of the steps from `first` on."""
         counters = record.counters[0]
-        last = int(counters.step) + bool(counters.needs_level or counters.failed)  # of the steps that were played
+        last = int(counters.step) + bool(counters.needs_level or counters.failed)  # end of the steps that were played
         ended = Events(*(column[: counters.events] for column in record.events))
         self.env_steps += (last - first) * self.upomdp.num_envs
         if self.tape is not None:

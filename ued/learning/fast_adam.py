@@ -1,8 +1,8 @@
 """Adam (Kingma and Ba 2015) on all weights of a network at once, in a quarter of the time of torch's fused Adam.
 
-It saves 0.3 ms of each gradient step of PPO with two hidden layers of 64 units, on one CPU core: for such networks
+It saves 0.3 ms of each gradient step of PPO with two hidden layers of 64 units, on one CPU core. For such networks,
 torch's Python code around its kernel takes longer than the kernel. Weights, checkpoints and results equal those of
-`torch.optim.Adam(fused=True)`, which can replace it. Read next: `learning.ppo` and `levels.adversary`, which use it.
+`torch.optim.Adam(fused=True)`, a valid replacement. Read next: `learning.ppo` and `levels.adversary`, which use it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FUSED_STEP: Any = partial(torch._fused_adam_, weight_decay=0.0, amsgrad=False, m
 
 
 def undecorated(method: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method of torch's optimizer without its decorator, which takes almost 1 s to import torch's compiler."""
+    """Return a method of torch's optimizer without its decorator, whose import of torch's compiler takes almost 1 s."""
     return getattr(method, "__wrapped__", method)
 
 
@@ -41,7 +41,7 @@ class Adam(torch.optim.Adam):
         learning_rate, eps: the step size, and Adam's epsilon.
     """
 
-    _vectors: Vectors | None = None  # until the first gradient; not copied
+    _vectors: Vectors | None = None  # None until the first gradient; not copied
     add_param_group = undecorated(torch.optim.Adam.add_param_group)
 
     def __init__(self, weights: Iterable[Tensor], learning_rate: float, eps: float) -> None:
@@ -56,7 +56,7 @@ class Adam(torch.optim.Adam):
         """Skip torch's profiler hook of each step, which takes as long as the step."""
 
     def zero_grad(self, set_to_none: bool = False) -> None:
-        """Set the weights' gradients to 0, as parts of one vector."""
+        """Set the gradients of the weights, which are parts of one vector, to 0."""
         if self._vectors is None or self._vectors.gradient.device != self.weights[0].device:
             self._vectors = self._joined(self.weights)
         self._vectors.gradient.zero_()
@@ -90,7 +90,7 @@ class Adam(torch.optim.Adam):
         FUSED_STEP(self.weights, gradients, means, squares, [], steps, **sizes)
 
     def clip_norm(self, max_norm: float) -> Tensor:
-        """Scale the gradient down to this norm; return its norm `[]` as it was."""
+        """Scale the gradient down to this norm; return its original norm `[]`."""
         assert self._vectors is not None, "zero_grad comes first"
         gradient = self._vectors.gradient
         norm = vector_norm(gradient)
@@ -106,7 +106,7 @@ class Adam(torch.optim.Adam):
         return state | {"state": apart}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned, except the settings, which stay those of this optimizer."""
+        """Restore a state returned by `state_dict`; this optimizer keeps its settings."""
         groups = self.state_dict()["param_groups"]
         undecorated(torch.optim.Adam.load_state_dict)(self, state_dict | {"param_groups": groups})
         self._vectors = None
@@ -120,7 +120,7 @@ def _parts(vector: Tensor, weights: Sequence[Tensor]) -> list[Tensor]:
 
 @torch.no_grad()
 def clip_norm(weights: Iterable[Tensor], max_norm: float) -> Tensor:
-    """Scale the gradient of these weights down to this norm; return its norm `[]` as it was.
+    """Scale the gradient of these weights down to this norm; return its original norm `[]`.
 
     Equal to `torch.nn.utils.clip_grad_norm_`, which first groups the gradients by device.
     """

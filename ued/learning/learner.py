@@ -35,16 +35,16 @@ class Learner:
 
     Args:
         name: prefix of its metrics.
-        upomdp: N environments for this learner alone.
+        upomdp: N environments, used by this learner only.
         config: settings of the student and of PPO.
         seeds: for its weights, its actions, and the shuffling of minibatches, in this order.
         on_episode_end: selects the next level of an environment; see `RolloutWorker`.
-        scripted: the environments play a scripted policy: there is no student, and nothing is learned.
+        scripted: whether the environments play a scripted policy; then there is no student and no learning.
 
     Attributes:
         rewards: normalizes rewards; None: the student learns from raw rewards.
 
-    Raises `ValueError` if opponents are given a central critic.
+    Raises `ValueError` for opponents with a central critic.
     """
 
     def __init__(
@@ -69,12 +69,12 @@ class Learner:
         self.rewards = RewardScale(shape, config.gamma) if config.norm_reward and not scripted else None
         self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT
         self.learn_seconds = 0.0
-        self.reference_policy: AnnealedKL | None = None  # the initial policy, if the student stays close to it at first
+        self.reference_policy: AnnealedKL | None = None  # the initial policy, if the student is regularized toward it
 
     def start_from(self, student: Mapping[str, Any], kl_coef: float, kl_env_steps: int) -> None:
-        """Start from this student, a `state_dict` with its normalizer, and a KL regularizer to it if `kl_coef` > 0.
+        """Start from this student, a `state_dict` with its normalizer; regularize toward it if `kl_coef` > 0.
 
-        Raises RuntimeError for a student of other observations, actions or networks.
+        Raises RuntimeError for a student with other observations, actions or networks.
         """
         if self.student is None:
             return
@@ -108,7 +108,7 @@ class Learner:
             self.rewards.reset()
 
     def follow_negative_advantages(self) -> None:
-        """Add the maximized negative advantages, which a score needs, to the statistics of episodes from now on."""
+        """Add maximized negative advantages, which a score needs, to the statistics of all future episodes."""
         self.values = EpisodeValues(self.upomdp.num_envs, True, scored_agents(self.upomdp))
 
     def compute_advantages(self) -> dict[str, np.ndarray]:
@@ -127,7 +127,7 @@ class Learner:
     ) -> dict[str, float]:
         """Learn from the last rollout, or from `rollout` instead; return metrics of episodes and losses.
 
-        `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to the one of `start_from`.
+        `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to that of `start_from`.
         """
         if regularizer is None and self.reference_policy is not None:
             regularizer = self.reference_policy.at(env_steps)
@@ -151,7 +151,7 @@ class Learner:
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return the whole state; without `episodes`, all but the state of the environments."""
+        """Return the whole state; without `episodes`, leave out the state of the environments."""
         return {
             "agents": self.upomdp.num_agents,
             "worker": self.worker.state_dict(episodes),
@@ -162,7 +162,7 @@ class Learner:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises `ValueError` for another number of agents."""
+        """Restore a state returned by `state_dict`. Raises `ValueError` for another number of agents."""
         self.check_agents(state)
         self.worker.load_state_dict(state["worker"])
         if self.ppo is not None:
@@ -171,7 +171,7 @@ class Learner:
         if self.rewards is not None:
             self.rewards.load_state_dict(state["rewards"])
         self.recent = np.array(state["recent"], np.float64)
-        if state["worker"]["upomdp"] is None:  # its episodes were restarted
+        if state["worker"]["upomdp"] is None:  # the episodes of this state were restarted
             self._forget_open()
 
     def check_agents(self, state: dict[str, Any]) -> None:
@@ -202,7 +202,7 @@ def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
 def episode_metrics(name: str, episodes: Episodes, recent: np.ndarray) -> dict[str, float]:
     """Return mean return, mean length and number of a student's episodes, and the mean of its `recent` returns.
 
-    Without an episode means are nan.
+    Means are nan without an episode.
     """
     count = len(episodes.returns)
     return {

@@ -1,7 +1,7 @@
 """The memory of a student within an episode: none, or a GRU.
 
-Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
-heads. It has the size of its state per environment (`width`, 0 without memory), and determines the sequences of
+Only this module distinguishes feed-forward and recurrent students. A memory is a layer between a torso and its
+heads. Its `width` is the size of its state per environment (0 without memory). It also determines the sequences of
 minibatches: single steps, or the sequences that backpropagation through time needs.
 Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.
 """
@@ -35,12 +35,12 @@ class Past(NamedTuple):
 
 
 class NoMemory(nn.Module):
-    """The memory of a feed-forward student, which has none."""
+    """An empty memory, for feed-forward students."""
 
     width = 0
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return both unchanged."""
+        """Return features and memory unchanged."""
         return features, memory
 
     def sequences(self, train: Tensor, bptt_steps: int = 0) -> Tensor:
@@ -54,9 +54,8 @@ class NoMemory(nn.Module):
 class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
-    Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
-    from the states at their first steps; see `Batch.add_memories`. It has `size` units, and as many inputs unless these
-    are given.
+    Backpropagation through time covers a whole rollout or pieces of it, each from the state at its first step; see
+    `Batch.add_memories`. The GRU has `size` units and, by default, as many inputs.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team, inputs: int | None = None) -> None:
@@ -82,14 +81,14 @@ class GRU(nn.Module):
 
     def _step(self, features: Tensor, state: Tensor) -> Tensor:
         """Return the states `[B, (A,) size]` after one step."""
-        parts = 2 * state.shape[-1], state.shape[-1]  # of both gates, of the candidate
+        parts = 2 * state.shape[-1], state.shape[-1]  # sizes of both gates and of the candidate
         gates, candidate = self.read(features).split(parts, -1)
         recalled_gates, recalled = self.recall(state).split(parts, -1)
         reset, keep = torch.sigmoid(gates + recalled_gates).chunk(2, -1)
         return torch.lerp(torch.tanh(torch.addcmul(candidate, reset, recalled)), state, keep)
 
     def _steps(self, features: Tensor, state: Tensor, begins: Tensor | None, kept: Tensor | None) -> Tensor:
-        """Return the states `[L * B, (A,) size]` after each of L steps, or those kept; see `learning.recurrence`."""
+        """Return the states `[L * B, (A,) size]` after each of L (kept) steps; see `learning.recurrence`."""
         envs, agents = len(state), state.shape[1:-1].numel()
         begins = state.new_zeros(len(features) // envs, envs, dtype=torch.bool) if begins is None else begins
         if self.policies > 1:  # a leading policy axis
@@ -106,7 +105,7 @@ class GRU(nn.Module):
         return states.transpose(0, 1) if self.policies > 1 else states.unflatten(0, features.shape[:-1])
 
     def _by_policy(self, layer: nn.Linear) -> tuple[Tensor, Tensor]:
-        """Return the weights `[3 size, size]` and `[1, 3 size]`; of several policies `[P, ...]`."""
+        """Return the weights `[3 size, size]` and `[1, 3 size]`; for several policies `[P, ...]`."""
         if self.policies == 1:
             return layer.weight, layer.bias[None]
         return layer.weight.view(self.policies, -1, layer.in_features), layer.bias.view(self.policies, 1, -1)

@@ -1,6 +1,6 @@
 """Minibatches of PPO: a rollout as rows, its sequences in batches, and the gradient of several policies.
 
-The student's memory determines what is shuffled: single steps, or whole sequences of one environment for a recurrent
+The student's memory determines the shuffled units: single steps, or whole sequences of one environment for a recurrent
 student (see `learning.memory`). Read next: `learning.ppo`, which learns from minibatches.
 """
 
@@ -23,8 +23,8 @@ from ued.learning.student import Student
 class Batch:
     """The steps of a rollout, one row each; `[B, A, ...]` for A agents.
 
-    A minibatch of sequences holds the observations of the steps to learn from and of those before them in their
-    episodes, and the other columns of the steps to learn from.
+    A minibatch of sequences holds the observations of training steps and of the steps before them in their episodes.
+    It holds the other columns of training steps only.
     """
 
     past: Past  # the sequences of the rows; before the split into minibatches, its memory is [pieces, N, W]
@@ -82,10 +82,10 @@ class Batch:
     def add_memories(self, student: Student, length: int, size: int) -> None:
         """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
 
-        Without memory, and for pieces as long as the rollout, it adds nothing. The memory is computed once, before the
+        Nothing is added without memory, or for pieces as long as the rollout. The memory is computed once, before the
         update, by a pass without gradients over about `size` pieces at a time. So it equals the memory with which the
         student acted (the stored state of Kapturowski et al. 2019, section 3), and pieces can be shuffled and computed
-        in parallel. Recomputing it for each minibatch would need such a pass each time.
+        in parallel. Recomputing the memory for each minibatch would need such a pass each time.
         """
         memory, begins = self.past.memory, self.past.episode_starts  # [1, N, W], [T * N]
         assert begins is not None
@@ -115,7 +115,7 @@ class Batch:
         parts = [part.T for part in sequences.split(size)]  # [L, B] each
         pasts, rows, learned = zip(*map(self._past, parts), strict=True)
         sizes, every = [len(some) for some in learned], torch.cat(learned)
-        # once for all minibatches: many small gathers of single numbers take longer than one large one
+        # once for all minibatches: many small gathers of single numbers take longer than one large gather
         actions, numbers = self.action.index_select(0, every), self.numbers.index_select(1, every)
         if norm_adv:
             normalize(numbers[2], sizes)
@@ -125,7 +125,7 @@ class Batch:
             yield Batch(past, self.rollout, row, seen, action, number)
 
     def _past(self, part: Tensor) -> tuple[Past, Tensor, Tensor]:
-        """Return the sequences of the steps `[L, B]`, the rows that are computed, and those to learn from."""
+        """Return the sequences of the steps `[L, B]`, the rows to compute, and the rows to learn from."""
         memory, begins, train = self.past.memory, self.past.episode_starts, self.past.mask
         assert begins is not None and train is not None
         rows = part.flatten()
@@ -152,7 +152,7 @@ def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:
 
 
 def clip_gradient(student: Student, optimizer: Adam, max_norm: float) -> Tensor:
-    """Scale the student's gradient down to this norm; return its norm `[]` before that.
+    """Scale the student's gradient down to this norm; return its original norm `[]`.
 
     The gradients of several policies are clipped separately, and so is that of a shared critic; the norm returned is
     their mean. Losses are means over agents, so the gradient of each agent's own policy is first multiplied by the

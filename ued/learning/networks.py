@@ -71,7 +71,7 @@ class Categorical:
 
 
 class MultiCategorical(Categorical):
-    """K independent choices with their own numbers of values, from logits `[B, sum of those]`.
+    """K independent choices, each with its own number of values, from logits `[B, sum of these numbers]`.
 
     Actions are int64 `[B, K]`, counted from 0.
     """
@@ -122,7 +122,7 @@ class Gaussian:
 
 
 class Team(NamedTuple):
-    """The agents of a network: their number, and whether they share one policy or have one each.
+    """The agents of a network: their number, and whether they share one policy or each have their own.
 
     Inputs and outputs are `[B, ...]` for one agent and `[B, A, ...]` for several. If each agent has its own policy, all
     weights have a leading policy axis, so that one forward pass computes all of them.
@@ -180,7 +180,7 @@ def mlp(
 
 CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, stride (thesis, Fig. 4.10)
 SMALL_CONVOLUTIONS = ((16, 3, 1), (32, 3, 1))  # for images smaller than LARGE
-PART_CONVOLUTIONS = SMALL_CONVOLUTIONS[:1]  # for those that are a part of an observation (PAIRED, DCD)
+PART_CONVOLUTIONS = SMALL_CONVOLUTIONS[:1]  # for small images that are a part of an observation (PAIRED, DCD)
 LARGE = 36  # minimum height and width for CONVOLUTIONS
 
 
@@ -212,7 +212,7 @@ class Torso(nn.Sequential):
 def convolutions(
     shape: tuple[int, ...], small: Sequence[tuple[int, int, int]], generator: torch.Generator, team: Team
 ) -> Torso:
-    """Return convolutions for images of a shape with three axes; `small` are those of images smaller than `LARGE`.
+    """Return convolutions for images of a shape with three axes; `small` is used for images smaller than `LARGE`.
 
     Raises `ValueError` for a team with channels-first images.
     """
@@ -274,8 +274,8 @@ class SparseTorso(Torso):
 class PartReader(nn.Module):
     """Convolutions for the images in vectors of several parts: `[B, F]` or `[B, A, F]` -> `[B, size]`, `[B, A, size]`.
 
-    Small images have 16 filters of 3 × 3, as the students of PAIRED (Dennis et al. 2020, appendix D) and of DCD; large
-    ones have `CONVOLUTIONS`. Their outputs come first, in the order of the images; all other entries follow unchanged.
+    Small images have 16 filters of 3 × 3, as in PAIRED (Dennis et al. 2020, appendix D) and in DCD; large images have
+    `CONVOLUTIONS`. Their outputs come first, in the order of the images; all other entries follow unchanged.
     DCD adds a linear layer of 5 units for the direction, which is redundant before another linear layer.
     """
 
@@ -309,7 +309,7 @@ def is_image(space: Space) -> bool:
 def seen_as(space: Space, network: str, agents: int = 1) -> Space:
     """Return the space of a network's inputs: vectors of `Parts` have parts only for convolutions and user networks.
 
-    A `SparseImage` has coordinates only for the convolutions of one agent; other networks receive its images.
+    A `SparseImage` provides coordinates only for the convolutions of one agent; other networks receive its images.
     Raises `ValueError` for `network` "cnn" if there is no image.
     """
     if isinstance(space, SparseImage):
@@ -330,7 +330,7 @@ def seen_as(space: Space, network: str, agents: int = 1) -> Space:
 def torso(space: Space, config: PPOConfig, generator: torch.Generator, team: Team = ONE_AGENT) -> Torso:
     """Return the torso for an agent's observations: an MLP for a flat feature vector, convolutions for images.
 
-    `space` is that of `seen_as`. Raises `ValueError` for other observations.
+    `space` is the result of `seen_as`. Raises `ValueError` for other observations.
     """
     sizes = config.hidden_size, config.hidden_layers, generator
     if isinstance(space, SparseImage):
@@ -367,10 +367,10 @@ def choices_of(space: Space) -> np.ndarray:
 
 
 class PolicyHead(nn.Module):
-    """The last layer of a policy: a categorical for `Discrete`, one for each entry of `MultiDiscrete` and
-    `MultiBinary`, a diagonal Gaussian for `Box`.
+    """The last layer of a policy.
 
-    Its small gain (0.01) makes the initial policy nearly uniform for every observation.
+    It is a categorical for `Discrete`, a categorical for each entry of `MultiDiscrete` and `MultiBinary`, and a
+    diagonal Gaussian for `Box`. Its small gain (0.01) makes the initial policy nearly uniform for every observation.
     """
 
     def __init__(self, space: Space, inputs: int, generator: torch.Generator, policies: int = 1) -> None:

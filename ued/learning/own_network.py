@@ -1,6 +1,6 @@
-"""A user network as the first layers of actor and critic, by its name: `PPOConfig(network="my_nets.py:Net")`.
+"""A user network as the first layers of actor and critic, by name: `PPOConfig(network="my_nets.py:Net")`.
 
-The built-in memory and heads follow. Read next: `learning.networks`, the built-in ones; `learning.student`.
+The built-in memory and heads follow. Read next: `learning.networks`, the built-in networks; `learning.student`.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from ued.config import PPOConfig
 from ued.core.own_code import OwnCodeError, load
 from ued.learning.networks import ONE_AGENT, Team, Torso
 
-ROWS = 2  # of the batch that tests a new network
+ROWS = 2  # rows of the batch that tests a new network
 MOODY = (nn.modules.dropout._DropoutNd, nn.modules.batchnorm._BatchNorm)  # differ between training and playing
 
 
 class _Rows(nn.Module):
-    """Agents as further rows: `[B, A, ...]` -> `[B, A, size]`."""
+    """Treats agents as additional rows: `[B, A, ...]` -> `[B, A, size]`."""
 
     def __init__(self, network: nn.Module) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
     """Return the network that `config.network` names, made by `Net(space, config)`: `[B, ...]` -> `[B, size]`.
 
     Its weights are initialized from torch's global generator, temporarily seeded from `generator`. Raises
-    `OwnCodeError` unless it is a module with this output, and for several agents with a policy each.
+    `OwnCodeError` unless it is a module with this output, and for several agents with separate policies.
     """
     name = config.network
     if team.policies > 1:
@@ -42,7 +42,7 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
         torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))
         try:
             network = made(space, config)
-        except Exception as error:  # whatever the user's code raises
+        except Exception as error:  # user code can raise any error
             raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
         if not isinstance(network, nn.Module):
             raise OwnCodeError(f"{name}(space, config) must return a torch.nn.Module, got {network!r:.100}")
@@ -62,7 +62,7 @@ def _size(name: str, network: nn.Module, space: Space) -> int:
     try:
         with torch.no_grad():
             features = network(torch.zeros(ROWS, *shape))
-    except Exception as error:  # whatever the user's code raises
+    except Exception as error:  # user code can raise any error
         seen = ", ".join(map(str, ("B", *shape)))
         raise OwnCodeError(f"{name} failed on observations [{seen}]: {type(error).__name__}: {error}") from error
     if (

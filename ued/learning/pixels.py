@@ -33,7 +33,7 @@ class Pixels(nn.Module):
     each image separately. Images without bounds are not scaled.
 
     Attributes:
-        scale: divisor `[]`: 0 before the first rollout; the range of the bounds if these are the scale.
+        scale: divisor `[]`: 0 before the first rollout; the range of the bounds if the bounds are the scale.
     """
 
     scale: Tensor
@@ -44,7 +44,7 @@ class Pixels(nn.Module):
         bounded = math.isfinite(low) and math.isfinite(high) and high > low
         self.low, self.reach = (low, high - low) if bounded else (0.0, 1.0)
         self.register_buffer("scale", torch.tensor(0.0 if bounded else self.reach))
-        self.divisor = float(self.scale)  # the same as a float, to avoid waiting for a GPU
+        self.divisor = float(self.scale)  # a copy as a float, to avoid waiting for a GPU
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return images `[B, ...]` or `[B, A, ...]` in [0, 1]."""
@@ -81,10 +81,10 @@ class Pixels(nn.Module):
 
 
 class SparsePixels(Pixels):
-    """Scale images of a `SparseImage` as `Pixels` do: a pixel is 1. It accepts coordinates and images.
+    """Scale images of a `SparseImage` as `Pixels` does: a pixel is 1. Inputs are coordinates or images.
 
     Args:
-        space: of one agent's observations.
+        space: space of one agent's observations.
         keep: whether the network reads coordinates `[B, K, 3]`; otherwise they become images.
         agents: number of agents.
     """
@@ -92,10 +92,10 @@ class SparsePixels(Pixels):
     def __init__(self, space: SparseImage, keep: bool, agents: int = 1) -> None:
         super().__init__(space.image)
         self.shape, self.keep, self.value = space.image.shape, keep, float(space.image.high.flat[0])
-        self.axes = len(self.shape) + 1 + (agents > 1)  # of images
+        self.axes = len(self.shape) + 1 + (agents > 1)  # axes of a batch of images
 
     def forward(self, observation: Tensor) -> Tensor:
-        """Return coordinates as they are, or images `[B, ...]` or `[B, A, ...]` in [0, 1]."""
+        """Return coordinates unchanged, or images `[B, ...]` or `[B, A, ...]` in [0, 1]."""
         if observation.ndim == self.axes:
             return super().forward(observation)
         return observation if self.keep else images_of(observation, self.shape)
@@ -112,7 +112,7 @@ class PartScales(nn.Module):
     """Scale each image in vectors of several parts by a separate `Pixels`, and normalize all other entries.
 
     Args:
-        space: of the vectors.
+        space: space of the vectors.
         others: normalizer of the entries that belong to no image, `[B, k]` or `[B, A, k]`.
     """
 

@@ -53,7 +53,7 @@ class PPO(Resumable):
         """Update on the steps whose `train` mask is set; return the means of the losses over all minibatches.
 
         The mask does not change the size of minibatches. `env_steps` so far anneal the learning rate; `advantages`
-        default to `gae`; `regularizer` is another policy to stay close to.
+        default to `gae`; `regularizer` keeps the student close to another policy.
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
@@ -73,7 +73,7 @@ class PPO(Resumable):
             if config.target_kl and approx_kl(logs[-1][0].log_ratio).mean() > config.target_kl:
                 break
         learned = slice(None) if rollout.train.all() else rollout.train.flatten().to(device)  # of T * N
-        # After the update, which normalizes as the rollout did; steps without `train` would shift the statistics.
+        # Tracked after the update, so that it normalizes as the rollout did; steps without `train` would shift them.
         self.student.normaliser.track(old.observation[learned])
         self.updates += 1
         return {
@@ -85,7 +85,7 @@ class PPO(Resumable):
         }
 
     def _anneal(self, env_steps: int) -> None:
-        """Set the learning rate, which falls linearly to 0 over `anneal_env_steps` unless that is 0."""
+        """Set the learning rate, which falls linearly to 0 over `anneal_env_steps` unless that number is 0."""
         if self.config.anneal_env_steps:
             left = max(0.0, 1.0 - env_steps / self.config.anneal_env_steps)
             self.optimizer.param_groups[0]["lr"] = self.config.learning_rate * left
@@ -105,6 +105,6 @@ class PPO(Resumable):
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:
-    """Return 1 - Var(target - value) / Var(target): 1 for perfect values, nan where the targets do not vary."""
+    """Return 1 - Var(target - value) / Var(target): 1 for perfect values, nan if the targets do not vary."""
     variance = target.var().item()
     return 1.0 - (target - value).var().item() / variance if variance > 0 else float("nan")

@@ -21,12 +21,12 @@ BY_AGENT = ("entropy", "approx_kl")  # also reported for each agent of a team
 
 
 class Losses(NamedTuple):
-    """The parts of the loss at each of B steps, `[B]`, of a team `[B, A]`; see `total`."""
+    """The parts of the loss at each of B steps, `[B]`, for a team `[B, A]`; see `total`."""
 
     surrogate: Tensor  # to be maximized: equation 7 of Schulman et al. 2017
     error: Tensor  # half the squared error of the value
     entropy: Tensor
-    log_ratio: Tensor  # of new to old probability
+    log_ratio: Tensor  # log of the ratio of new to old probability
 
     def total(self, config: PPOConfig) -> Tensor:
         """Return the loss `[]`, to be minimized (equation 9)."""
@@ -38,7 +38,7 @@ class Losses(NamedTuple):
 
 
 def losses(policy: Policy, value: Tensor, old: Batch, config: PPOConfig) -> Losses:
-    """Return the losses of a policy and of values `[B]`, of a team `[B, A]`."""
+    """Return the losses of a policy and of values `[B]`, for a team `[B, A]`."""
     log_ratio = policy.log_prob(old.action) - old.log_prob  # [B]
     ratio = log_ratio.exp()  # [B]
     clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)  # [B]
@@ -54,12 +54,12 @@ def losses(policy: Policy, value: Tensor, old: Batch, config: PPOConfig) -> Loss
 def categorical_losses(logits: Tensor, value: Tensor, old: Batch, config: PPOConfig) -> tuple[Losses, Tensor, Tensor]:
     """Return the losses, and the gradients of their total with respect to logits and values.
 
-    Logits z are `[B, n]`, or `[B, K, n]` of K choices; of a team `[B, A, ...]`. The gradient of the surrogate of a step
-    with p = softmax(z), action a, ratio r and advantage A is
+    Logits z are `[B, n]`, or `[B, K, n]` for K choices; for a team `[B, A, ...]`. The gradient of the surrogate of a
+    step with p = softmax(z), action a, ratio r and advantage A is
 
-        A r ([i = a] - p_i), or 0 where the clipped term is the smaller one
+        A r ([i = a] - p_i), or 0 if the clipped term is smaller
 
-    and that of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
+    and the gradient of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
     """
     old_log_prob, _, advantage, _ = old.numbers  # [B] each
     several, share = logits.ndim > value.ndim + 1, 1 / value.numel()
@@ -102,7 +102,7 @@ def approx_kl(log_ratio: Tensor) -> Tensor:
 
 
 def means(logs: Sequence[tuple[Losses, Tensor]], clip_coef: float) -> dict[str, float]:
-    """Return the means of the minibatches' means, by name, and of a team also those of each agent.
+    """Return the means of the minibatches' means, by name, and for a team also those of each agent.
 
     `logs` has the losses and the norm `[]` of the gradient of each minibatch. All numbers are read at once, since each
     read from a device waits for it.
@@ -110,7 +110,7 @@ def means(logs: Sequence[tuple[Losses, Tensor]], clip_coef: float) -> dict[str, 
     minibatches, grad_norms = zip(*logs, strict=True)
     count = len(minibatches)
     share = torch.cat([each.error.new_full((len(each.error),), 1 / len(each.error) / count) for each in minibatches])
-    surrogate, error, entropy, log_ratio = map(torch.cat, zip(*minibatches, strict=True))  # [S], of a team [S, A]
+    surrogate, error, entropy, log_ratio = map(torch.cat, zip(*minibatches, strict=True))  # [S], for a team [S, A]
     clipped = (log_ratio.expm1().abs() > clip_coef).float()
     steps = torch.stack([-surrogate, error, entropy, approx_kl(log_ratio), clipped])
     numbers = share @ steps.view(len(steps), len(share), -1)  # [5, A]

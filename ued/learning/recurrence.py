@@ -9,9 +9,10 @@ loop over steps is as long as the longest segment, and each step is one matrix p
     step 3   a
 
 The loop has only the operations that depend on the previous state: 5 for a step, and 3 for its gradient. Products with
-inputs, and the gradients of all weights, are one product over all rows. On one CPU core, 256 steps of 16 environments
-and their gradient take 37 ms at 128 units and 17 ms at 64 units. A loop of cells with autograd takes 59 and 35 ms, and
-torch's GRU on packed sequences 5 to 8 times as long as this. Read next: `learning.memory`, which uses it.
+inputs, and the gradients of all weights, are single products over all rows. On one CPU core, 256 steps of 16
+environments and their gradient take 37 ms at 128 units and 17 ms at 64 units. A loop of cells with autograd takes 59
+and 35 ms. torch's GRU on packed sequences takes 5 to 8 times as long as this module. Read next: `learning.memory`,
+which uses it.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ SIGMOID_BACKWARD: Any = torch.ops.aten.sigmoid_backward  # gradient, σ(x) -> gr
 
 
 class Segments(NamedTuple):
-    """How S segments are packed. They have R steps in total.
+    """The packing of S segments with R steps in total.
 
     Attributes:
         rows: `[R]` the row in the batch of each packed row.
         places: `[R]` the packed row of each row in the batch.
-        first: `[S]` the row of the first step of each segment, if no row were left out.
+        first: `[S]` the row of the first step of each segment in the batch without omitted rows.
         counts: the number of segments with a step k, for each k.
     """
 
@@ -43,9 +44,10 @@ class Segments(NamedTuple):
 
 
 def segments(episode_starts: Tensor, kept: Tensor | None = None) -> Segments:
-    """Return the segments of sequences in which episodes start at these steps, bool `[L, B]`; row t * B + b.
+    """Return the segments of sequences in which episodes start at these steps, bool `[L, B]`.
 
-    Only the steps `kept` `[L, B]` have rows, the first ones of each segment; None: all steps.
+    Step t of sequence b is row t * B + b. Only the steps `kept` `[L, B]`, the first ones of each segment, have rows;
+    None: all steps.
     """
     length, envs = episode_starts.shape
     begins = episode_starts.T.cpu().clone()  # [B, L], since the steps of a segment are consecutive there
@@ -68,7 +70,7 @@ def segments(episode_starts: Tensor, kept: Tensor | None = None) -> Segments:
 
 
 def steps_to_learn(train: Tensor, episode_starts: Tensor) -> Tensor:
-    """Return the steps of the mask `train` and all steps that they depend on: bool `[L, B]`, as both masks."""
+    """Return the steps of the mask `train` and all steps on which they depend: bool `[L, B]`, like both masks."""
     length, envs = train.shape
     segment = episode_starts.cumsum(0) + (length + 1) * torch.arange(envs, device=train.device)  # [L, B]
     time = torch.arange(length, device=train.device)[:, None].expand_as(segment)
@@ -87,8 +89,8 @@ class Recurrence(torch.autograd.Function):
         h ← (1 - z) n + z h
 
     `apply(features, start, V, c, W, b, segments)` takes features `[R, F]`, initial states `[S, H]` of the segments, and
-    weights `[3 H, F]`, `[1, 3 H]`, `[3 H, H]` and `[1, 3 H]`. It returns states `[R, H]`, in the order of the batch as
-    features are. For several policies all of them have a leading policy axis.
+    weights `[3 H, F]`, `[1, 3 H]`, `[3 H, H]` and `[1, 3 H]`. It returns states `[R, H]` in the order of the batch,
+    like features. For several policies all arrays have a leading policy axis.
     """
 
     @staticmethod
@@ -125,7 +127,7 @@ class Recurrence(torch.autograd.Function):
         blocks = states.split(counts, -2)
         before = [start, *(block.narrow(-2, 0, count) for block, count in zip(blocks, counts[1:], strict=False))]
         previous = torch.cat(before, -2)  # [R, H], the state before each step
-        # derivatives of each state, by what is within the tanh, and by r', z', n'
+        # derivatives of each state with respect to the argument of the tanh, and to r', z', n'
         to_candidate = TANH_BACKWARD(1 - keep, candidates)
         factors = torch.empty_like(read)
         by_reset, by_keep, by_recalled = factors.split(size, -1)

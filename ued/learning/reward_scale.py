@@ -1,4 +1,4 @@
-"""Reward normalization, for the student's learning only: tables, scores of levels and regret keep raw returns.
+"""Reward normalization, for the student's learning only: tables, scores of levels and regret use raw returns.
 
 Rewards are divided by the running standard deviation of discounted returns, as Gymnasium's vector wrapper
 `NormalizeReward` does, and then limited to [-10, 10], as in CleanRL's `ppo_continuous_action.py` (Engstrom et al. 2020,
@@ -19,15 +19,15 @@ from ued.core.resumable import Resumable
 from ued.learning.rollout import Rollout
 
 EPSILON = 1e-8  # added to the variance (Gymnasium)
-LIMIT = 10.0  # of normalized rewards (CleanRL)
+LIMIT = 10.0  # limit of normalized rewards (CleanRL)
 FIRST = 1e-4  # weight of the initial variance of 1 (Gymnasium)
 
 
 class RewardScale(Resumable):
-    """The running standard deviation of discounted returns, of all steps that the student learns from.
+    """The running standard deviation of discounted returns over all training steps of the student.
 
     Args:
-        shape: of the rewards of one step: `(N,)`, of opponents `(N, A)`.
+        shape: shape of the rewards of one step: `(N,)`, for opponents `(N, A)`.
         gamma: discount per step.
     """
 
@@ -40,7 +40,7 @@ class RewardScale(Resumable):
 
     @property
     def scale(self) -> float:
-        """The present divisor of rewards."""
+        """The current divisor of rewards."""
         return float(np.sqrt(self.variance + EPSILON))
 
     def reset(self) -> None:

@@ -21,18 +21,18 @@ class Rollout:
     """T steps of N environments. Episodes continue from one rollout to the next.
 
     With several agents, observations, actions and values have an axis of agents, `[T, N, A, ...]`. Agents share their
-    episodes, and unless they are opponents their reward.
+    episodes and, unless they are opponents, their reward.
 
     Attributes:
         observation: `[T, N, size]`, uint8 or float32, before the action.
         action: `[T, N]` or flat `[T, N, K]`, as sampled from the policy.
-        log_prob, value: `[T, N]`, of each agent.
-        reward: `[T, N]`, of the team; of opponents `[T, N, A]`, of each.
+        log_prob, value: `[T, N]`, for each agent.
+        reward: `[T, N]` for the team; for opponents `[T, N, A]`, one for each agent.
         terminated: `[T, N]` whether the episode terminated in this step.
         truncated: `[T, N]` whether the episode was truncated in this step.
-        final_value: `[T, N]` value of the last observation of a truncated episode, else 0, of each agent.
+        final_value: `[T, N]` value of the last observation of a truncated episode, else 0, for each agent.
         train: `[T, N]` whether the student learns from this step; otherwise the level is only evaluated.
-        last_value: `[N]` value of the observation after the last step, of each agent.
+        last_value: `[N]` value of the observation after the last step, for each agent.
         memory: `[N, W]` state of the student's memory before the first step; see `learning.memory`.
     """
 
@@ -94,7 +94,7 @@ class Rollout:
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
-    """Return generalized advantage estimates `[T, N]`, of each agent (Schulman et al. 2016, equation 16).
+    """Return generalized advantage estimates `[T, N]` for each agent (Schulman et al. 2016, equation 16).
 
     The value after a step is the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.
@@ -110,7 +110,7 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
 
 
 def negative_advantages(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
-    """Return maximized negative advantages `[T, N]`, of each agent, none above 0 (Mead et al. 2026, MNA).
+    """Return maximized negative advantages `[T, N]` for each agent, none above 0 (Mead et al. 2026, MNA).
 
     GAE is the mean, with weights (1 - lambda) lambda^(n - 1), of advantages over n steps. For MNA, the advantage over n
     steps is c_n = min(0, c_(n - 1) + gamma^(n - 1) delta), c_0 = 0: the loss relative to the highest value so far, not
@@ -120,10 +120,10 @@ def negative_advantages(rollout: Rollout, gamma: float, gae_lambda: float) -> Te
     steps = len(delta)
     total, advantage, open_ = torch.zeros_like(delta), torch.zeros_like(delta), torch.ones_like(done)
     for lag in range(steps):
-        later = steps - lag  # starts whose step after this many others is in the rollout
+        later = steps - lag  # number of starts with a step at this lag in the rollout
         total = (total[:later] + gamma**lag * delta[lag:]).clamp(max=0.0)
         open_, ends = open_[:later], done[lag:].clone()
-        ends[-1] = True  # the rollout is over
+        ends[-1] = True  # end of the rollout
         weight = gae_lambda**lag * torch.where(ends, 1.0, 1 - gae_lambda)
         advantage[:later] += torch.where(open_, weight * total, 0.0)
         open_ = open_ & ~ends
@@ -133,7 +133,7 @@ def negative_advantages(rollout: Rollout, gamma: float, gae_lambda: float) -> Te
 
 
 def _errors(rollout: Rollout, gamma: float) -> tuple[Tensor, Tensor]:
-    """Return the errors of the values after one step `[T, N]`, of each agent, and whether the episode ended."""
+    """Return the one-step TD errors of the values `[T, N]` for each agent, and whether the episode ended."""
     by_agent = rollout.value.ndim
     reward, terminated, truncated = (
         column if column.ndim == by_agent else column[..., None]

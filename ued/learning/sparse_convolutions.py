@@ -3,12 +3,12 @@
 With few pixels, the windows of most cells of the first feature map are empty, and these cells equal the bias. So
 
     first layer     cells with a pixel in their window: bias + a column of the weights for each of these pixels
-    second layer    a common value, from windows of empty cells, for all cells; for each other cell in a window, add its
-                    difference to an empty cell times the weights at its position in the window
+    second layer    a common value, from windows of empty cells, for all cells; for each nonempty cell in a window, add
+                    its difference to an empty cell times the weights at its position in the window
 
 These are the sums of the dense convolutions in another order, without the terms that are 0 or common to all cells.
-So outputs and gradients, which autograd derives, are equal up to rounding. On GRF's stacked planes, both passes of
-the two layers take 1/10 of the time of dense ones with three players, and 1/3 with 22 players.
+So outputs and gradients (by autograd) are equal up to rounding. On GRF's stacked planes, both passes of the two layers
+take 1/10 of the time of dense convolutions with three players, and 1/3 with 22 players.
 Read next: `learning.networks`, whose `SparseTorso` uses them; `core.sparse_image`, the coordinates.
 """
 
@@ -34,7 +34,7 @@ class Grid(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """M cells of the feature maps of B images: number `[M]` of the cell, ascending, and its features `[M, C]`."""
+    """M cells of the feature maps of B images: their numbers `[M]`, ascending, and their features `[M, C]`."""
 
     number: Tensor  # (b * height + row) * width + column
     features: Tensor
@@ -112,7 +112,7 @@ class Windows(NamedTuple):
 
 
 def along(inputs: Tensor, kernel: int, stride: int, size: int) -> tuple[Tensor, Tensor, Tensor]:
-    """Return for one direction the windows that hold each input, its places in them, and which exist: `[..., n]`."""
+    """Return for one direction the windows that hold each input, its places in them, and their mask: `[..., n]`."""
     window = (inputs // stride)[..., None] - torch.arange(-(-kernel // stride), dtype=torch.int32, device=inputs.device)
     place = inputs[..., None] - window * stride
     return window, place, (window >= 0) & (window < size) & (place < kernel)
@@ -128,7 +128,7 @@ def by_phase(layer: nn.Conv2d) -> Tensor:
 
 
 def grouped(cell: Tensor, terms: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Return the different cells, ascending, the terms `[n]` of their sums, and where those of each begin."""
+    """Return the distinct cells, ascending, the terms `[n]` of their sums, and the first term of each cell."""
     cell, order = cell.sort(stable=True)
     cells, counts = torch.unique_consecutive(cell, return_counts=True)
     return cells, terms[order], (counts.cumsum(0) - counts).to(terms.dtype)

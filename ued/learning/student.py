@@ -1,14 +1,14 @@
 """A student: policy, values, normalization of observations, and conversion of actions.
 
 It controls all agents of an environment: one, or a team of A, whose observations, actions and values have an axis of
-agents. A team has a policy for each agent, or a shared one that observes the index of the agent; its critic sees the
-observation of each agent, or those of all (MAPPO, Yu et al. 2022).
+agents. A team has a policy for each agent, or a shared policy that observes the index of the agent. Its critic observes
+one agent, or all agents (MAPPO, Yu et al. 2022).
 
-It has no memory within an episode, or a GRU. Its caller stores the state of the memory, a row of
-`memory_width` numbers for each environment, and sets it to 0 where an episode starts; see `learning.memory`.
+Its memory within an episode is empty or a GRU. The caller stores the state of the memory, a row of `memory_width`
+numbers for each environment, and sets it to 0 where an episode starts; see `learning.memory`.
 
-Observations are normalized by running statistics, which are part of the student and its checkpoint. So a student learns
-from any Gymnasium environment, whatever the units of its observations.
+Observations are normalized by running statistics, which are part of the student and its checkpoint. So a student can
+learn from any Gymnasium environment, regardless of the units of observations.
 Images, which may be parts of an observation (see `core.parts`), are scaled to [0, 1]; see `learning.pixels`.
 Read next: `learning.rollout`.
 """
@@ -34,7 +34,7 @@ from ued.learning.networks import Policy, PolicyHead, Team, linear, mlp, seen_as
 from ued.learning.own_network import own_torso
 from ued.learning.pixels import PartScales, Pixels, SparsePixels
 
-CLIP = 10.0  # standard deviations
+CLIP = 10.0  # limit of normalized observations, in standard deviations
 
 
 class Normaliser(nn.Module):
@@ -60,7 +60,7 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        # in place, since allocating memory is slow
+        # in place, since memory allocation is slow
         return (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
 
     def deviation(self) -> Tensor:
@@ -74,7 +74,7 @@ class Normaliser(nn.Module):
         observation = observation.float()
         middle = observation.mean(0)
         rest = observation - middle
-        error = rest.mean(0)  # of rounding; 64 bits would take three times as long
+        error = rest.mean(0)  # rounding error; 64 bits would take three times as long
         variance = (rest.square_().mean(0) - error.square()).double()
         mean = middle.double() + error
         total = self.count + rows
@@ -91,7 +91,7 @@ def normaliser_of(
 ) -> Normaliser | Pixels | PartScales:
     """Return the normalizer of vectors, of images, or of vectors with images in them.
 
-    `unit` is that of each entry `[size]`, None if unknown; `std_floor` is the smallest divisor of an entry in units.
+    `unit` `[size]` is the unit of each entry, None if unknown; `std_floor` is the smallest divisor in these units.
     """
     if len(space.shape) == 3:
         return Pixels(space)
@@ -105,17 +105,17 @@ class Student(nn.Module):
     """An actor and a critic on top of one or two torsos.
 
     Args:
-        observation_space, action_space: of one agent; flat Box, image, `Parts` or `SparseImage`, and see
-            `networks.PolicyHead`.
+        observation_space, action_space: spaces of one agent: a flat Box, images, `Parts` or a `SparseImage`, and an
+            action space that `networks.PolicyHead` supports.
         config: size of the torsos, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: random stream of the initial weights.
-        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
+        unit: unit of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
         agents: number of agents; both spaces are those of one agent.
 
     Attributes:
         policies: number of policies: 1, or one per agent.
         network: name of its first layers; see `PPOConfig.network`.
-        memory_width: size of the memory of an environment; 0: it is feed-forward.
+        memory_width: size of the memory of an environment; 0: the student is feed-forward.
     """
 
     def __init__(
@@ -164,7 +164,7 @@ class Student(nn.Module):
 
         Raises:
             ValueError: weights that are not finite.
-            RuntimeError: another network.
+            RuntimeError: weights of another network.
         """
         for name, weights in state_dict.items():
             if not (isinstance(weights, Tensor) and weights.isfinite().all()):
@@ -172,7 +172,7 @@ class Student(nn.Module):
         return super().load_state_dict(state_dict, strict, assign)
 
     def forward(self, observation: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
-        """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`.
+        """Return the policy and the value `[B]` for observations `[B, size]`; for a team `[B, A]` for `[B, A, size]`.
 
         `past` describes their sequences; without it each observation is the first of an episode.
         """
@@ -218,7 +218,7 @@ class Student(nn.Module):
 
     def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         features, memory = self._critic_features(seen, past)
-        value = self.critic(self.critic_hidden(features))  # [B, 1], of a team [B, A, 1] unless the critic is central
+        value = self.critic(self.critic_hidden(features))  # [B, 1], for a team [B, A, 1] unless the critic is central
         return value.expand(-1, self.agents) if self.central else value.squeeze(-1), memory
 
     @torch.no_grad()
@@ -262,21 +262,21 @@ class Student(nn.Module):
         return fetched
 
     def _sent(self, host: Tensor) -> Tensor:
-        """Copy a tensor of the host to the device; from pinned memory without waiting."""
+        """Copy a tensor from the host to the device, without waiting if its memory is pinned."""
         return host.to(self.device, non_blocking=True)
 
-    # The following methods take the memory of each environment, `[B, memory_width]`; by default it is empty.
+    # The following methods take the memory of each environment, `[B, memory_width]`, which is empty by default.
 
     @torch.inference_mode()
     def value(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
-        """Return the value `[B]`, of a team `[B, A]`."""
+        """Return the value `[B]`, for a team `[B, A]`."""
         memory = self.empty_memory(len(observation)) if memory is None else memory
         return self._value(self.normaliser(self._sent(observation)), Past(self._sent(memory)))[0].cpu()
 
     def act(
         self, observation: Tensor, generator: torch.Generator, memory: Tensor | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """Sample actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`.
+        """Sample actions; return them with their log-probabilities and the values: `[B]` each, for a team `[B, A]`.
 
         `memory` is updated in place.
         """
@@ -315,8 +315,8 @@ class Student(nn.Module):
     def to_environment(self, action: Tensor) -> np.ndarray:
         """Turn actions of the policy into actions of the environment.
 
-        A discrete action is shifted to the start of the space. A continuous one is scaled so that -1 and 1 become the
-        bounds if these are finite, and clipped to them.
+        A discrete action is shifted to the start of the space. A continuous action is scaled so that -1 and 1 become
+        the bounds if these are finite, and clipped to the bounds.
         """
         array, space = action.numpy(), self.action_space
         if isinstance(space, Discrete):
@@ -326,7 +326,7 @@ class Student(nn.Module):
         if not isinstance(space, Box):
             return (array + (space.start if isinstance(space, MultiDiscrete) else 0)).astype(space.dtype)
         low, high = space.low, space.high
-        with np.errstate(over="ignore"):  # a box as wide as its type has no bounds
+        with np.errstate(over="ignore"):  # the width of a box without bounds overflows
             bounded = np.isfinite(high - low)
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         center, reach = (bottom + top) / 2, (top - bottom) / 2
@@ -364,7 +364,7 @@ class Player:
         return self.student.play(observation, self.generator, self.greedy, self.memory)
 
     def begin(self, where: np.ndarray | None = None) -> None:
-        """Reset the memory of the environments `where` bool `[N]`, whose episodes start; None: of all."""
+        """Reset the memory of the environments `where`, bool `[N]`, in which episodes start; None: all."""
         if where is None:
             self.memory[:] = 0.0
         else:

@@ -1,4 +1,4 @@
-"""The actions on each visit of a level, from which its episodes can be replayed bit for bit.
+"""The actions on each visit of a level, with which its episodes can be replayed bit for bit.
 
 A replayed level has several visits, possibly at the same time. The level and the number of the visit determine all
 random numbers of the environment, so the actions complete the episodes. Read next: `learning.worker`, which fills a
@@ -16,20 +16,20 @@ MOST_VISITS = 4096  # maximum number stored without calls of `pop`
 
 
 class ActionTape:
-    """The actions in each of N environments since the start of its visit, and those of ended visits.
+    """The actions in each of N environments since the start of its visit, and the actions of ended visits.
 
     Checkpoints do not include it, so a visit that started before the tape, or before a resumed run, has no actions.
     """
 
     def __init__(self, num_envs: int) -> None:
-        self._visit = np.full(num_envs, NONE)  # [N] the one that each environment plays
+        self._visit = np.full(num_envs, NONE)  # [N] the visit that each environment plays
         self._began = np.zeros(num_envs, np.int64)  # [N] step of the tape at which it started
-        self._steps = 0  # on the tape
+        self._steps = 0  # number of steps on the tape
         self._actions: np.ndarray | None = None  # [capacity, N, ...]
         self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by visit
 
     def begin(self, envs: np.ndarray, visits: np.ndarray, ago: int = 0) -> None:
-        """Start these visits `[k]` in the environments `[k]`, with a start `ago` steps ago."""
+        """Start these visits `[k]` in the environments `[k]`; the start was `ago` steps ago."""
         for env in envs:
             self._keep(int(env), self._steps - ago)
         self._visit[envs], self._began[envs] = visits, self._steps - ago
@@ -50,7 +50,7 @@ class ActionTape:
     def pop(self, visits: np.ndarray) -> dict[int, np.ndarray]:
         """Remove and return the actions `[T, ...]` of these visits, by their numbers, if known.
 
-        A visit that continues, because its environment waits for others, has its actions so far.
+        For a visit that continues, because its environment waits for others, return its actions so far.
         """
         for env in np.flatnonzero(np.isin(self._visit, visits)):
             self._keep(int(env), self._steps)

@@ -11,14 +11,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-BUFFERS = 2  # one is filled while the other is copied
+BUFFERS = 2  # one buffer is filled while the other is copied
 
 
 class Upload:
     """Copies batches of one shape from the host to a GPU through two pinned buffers, without blocking the host.
 
-    A buffer is reused only after its copy has ended. Later work on the GPU waits for the copies, since they are part of
-    its stream.
+    A buffer is reused only after its copy has ended. Later work on the GPU waits for the copies, since they are in the
+    same stream.
 
     Args:
         like: a batch with the shape and dtype of all batches.
@@ -30,7 +30,7 @@ class Upload:
         self.turn = 0
 
     def __call__(self, batch: np.ndarray, place: Tensor) -> None:
-        """Write a batch `[N, ...]` to its place on the GPU, before any later work of its stream."""
+        """Write a batch `[N, ...]` to its place on the GPU, before any later work of the same stream."""
         buffer, copied = self.buffers[self.turn], self.copied[self.turn]
         copied.synchronize()  # returns at once before the first copy
         buffer.copy_(torch.as_tensor(batch))

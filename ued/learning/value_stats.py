@@ -1,8 +1,8 @@
 """Statistics of the critic per episode, for scores that need values (max_mc, value losses).
 
 Episodes can span several rollouts, so the sums of an open episode carry over. Advantages come from the critic at the
-update of each step, as in the reference implementations of PLR, which merge the parts of an episode weighted by their
-numbers of steps. Read next: `levels.scores`.
+update of each step. The reference implementations of PLR do the same: they merge the parts of an episode, weighted by
+their numbers of steps. Read next: `levels.scores`.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ class EpisodeValues(Resumable):
 
     Args:
         num_envs: N.
-        negative: also follow maximized negative advantages.
-        agents: of each environment, the first so many count; None: all.
+        negative: whether to follow maximized negative advantages, too.
+        agents: number of agents of each environment that count, from the first one on; None: all.
     """
 
     state_fields = ("sums", "steps")
@@ -42,10 +42,10 @@ class EpisodeValues(Resumable):
         self.steps[:] = 0
 
     def track(self, rollout: Rollout, advantages: Tensor, negative: Tensor | None = None) -> dict[str, np.ndarray]:
-        """Add a rollout; return means over the steps of each of the E episodes that ended in it: `[E]` by name.
+        """Add a rollout; return means over the steps of each of the E episodes that ended in it, `[E]` by name.
 
         Episodes are ordered by their last step, then by environment. `negative` are the `negative_advantages` of the
-        rollout `[T, N]`, if they are followed; of these the sum is returned, with its sign changed.
+        rollout `[T, N]`, if they are followed; their sum is returned with its sign changed.
         """
         per_step = self.per_step(rollout, advantages)
         if negative is not None:
@@ -76,5 +76,5 @@ class EpisodeValues(Resumable):
 
 
 def scored_agents(upomdp: UPOMDP) -> int | None:
-    """Return how many of the first agents score levels: those of the first side, None for all of one team."""
+    """Return the number of agents that score levels: those of the first side; None: all agents of one team."""
     return upomdp.first_side if upomdp.individual_rewards else None

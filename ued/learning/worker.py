@@ -65,14 +65,14 @@ class RolloutWorker(Resumable):
         self.memory = torch.zeros(upomdp.num_envs, 0) if student is None else student.empty_memory(upomdp.num_envs)
         agents = upomdp.num_agents, upomdp.individual_rewards
         self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, *agents, self.memory.shape[1])
-        self.observation: np.ndarray | None = None  # until `start`
+        self.observation: np.ndarray | None = None  # None until `start`
         self.training = np.ones(upomdp.num_envs, bool)  # [N] whether the student learns from the step
-        self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
+        self.returns = np.zeros(upomdp.num_envs)  # [N] returns of the open episodes
         self.lengths = np.zeros(upomdp.num_envs, np.int64)  # [N]
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self.tape: ActionTape | None = None  # set if episodes will be replayed
-        self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to the device of the student
+        self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # sends to the device of the student
         self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
 
     def start(self, records: np.ndarray) -> None:
@@ -91,7 +91,7 @@ class RolloutWorker(Resumable):
 
     @property
     def is_compiled(self) -> bool:
-        """Whether `play` plays many steps in one call; see `learning.compiled`. Otherwise `observe` and `step` do."""
+        """Whether `play` plays many steps in one call; see `learning.compiled`. Otherwise use `observe` and `step`."""
         return False
 
     def play(self, until: int) -> None:
@@ -168,7 +168,7 @@ class RolloutWorker(Resumable):
         self.seconds["sim"] += perf_counter() - chosen
 
     def _start_episodes(self, ended: np.ndarray, envs: np.ndarray, records: np.ndarray) -> None:
-        """Start episodes where some ended, bool `[N]`: in `envs` `[c]` on new levels, elsewhere on the same ones."""
+        """Start episodes where episodes ended, bool `[N]`: in `envs` `[c]` on new levels, else on the same levels."""
         changing = np.zeros(self.upomdp.num_envs, bool)
         changing[envs] = True
         again = ended & ~changing
@@ -199,10 +199,10 @@ class RolloutWorker(Resumable):
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return the whole state besides the student's weights.
+        """Return the whole state except the student's weights.
 
-        `episodes=False` leaves out the state of the environments, which a checkpoint may be unable to hold (as of
-        `GymUPOMDP`); a resumed run then restarts their episodes on the same levels.
+        `episodes=False` leaves out the state of the environments, which checkpoints may not support (`GymUPOMDP`); a
+        resumed run then restarts their episodes on the same levels.
         """
         return super().state_dict() | {
             "upomdp": self.upomdp.get_state() if episodes else None,
@@ -210,12 +210,12 @@ class RolloutWorker(Resumable):
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError for another number of environments."""
+        """Restore a state returned by `state_dict`. Raises ValueError for another number of environments."""
         super().load_state_dict({"memory": self.memory} | state)  # older states have no memory
         for name in ("training", "returns", "lengths", "memory"):
             if len(getattr(self, name)) != self.upomdp.num_envs:
                 raise ValueError(f"{name} must have {self.upomdp.num_envs} rows, one per environment")
-        self._ended = [], []  # of an interrupted update
+        self._ended = [], []  # drop episodes of an interrupted update
         if state["upomdp"] is None:
             self.upomdp.set_level_state(state)
             numbers = state["visits"], state["episodes"]
@@ -250,7 +250,7 @@ def collect(workers: Sequence[RolloutWorker]) -> None:
 def play_in_turn(workers: Sequence[RolloutWorker], first: int, until: int) -> None:
     """Play steps `first` to `until` of the rollouts, one step of each worker in turn.
 
-    All networks are evaluated before the first worker steps: a GPU evaluates the others while it simulates.
+    All networks are evaluated before the first worker steps: a GPU evaluates other networks during the simulation.
     """
     for t in range(first, until):
         for worker in workers:

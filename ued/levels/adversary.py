@@ -1,8 +1,8 @@
 """The adversary: a learned teacher that proposes θ in one step, a bandit with a random vector z as its context.
 
 The vector z lets the same weights propose many different levels. The reward of a proposal is its score plus an entropy
-bonus, the negative log-density relative to the program's distribution. So with equal scores the program's distribution
-is optimal, for choices and real numbers, and no closed form of the entropy is needed.
+bonus, the negative log-density relative to the program's distribution. If all scores are equal, the program's
+distribution is therefore optimal, for choices and real numbers. No closed form of the entropy is needed.
 Read next: `levels.theta_distribution`, the distribution; `levels.teacher`, which contains the adversary;
 `levels.builder`, an adversary of many steps.
 """
@@ -24,7 +24,7 @@ from ued.learning.fast_adam import Adam
 from ued.levels.theta_distribution import ThetaDistribution
 from ued.levels.unimodal import Unimodal
 
-MOST_LOG_RATIO = 20.0  # over thousands of columns, keeps the exponential finite
+MOST_LOG_RATIO = 20.0  # keeps the exponential finite for thousands of columns
 LOSSES = ("policy_loss", "value_loss", "grad_norm")
 
 
@@ -83,7 +83,7 @@ class Adversary(Resumable):
 
     @property
     def record_fields(self) -> list[tuple[Any, ...]]:
-        """The fields of a level record that hold a proposal: those of `Proposals`."""
+        """The fields of a level record that hold a proposal: the fields of `Proposals`."""
         return [
             ("z", np.float32, (self.context_size,)),
             ("raw", np.float32, (self.dim,)),
@@ -138,7 +138,7 @@ class Adversary(Resumable):
         return policy_loss.item(), value_loss.item(), norm.item()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`.
+        """Restore a state returned by `state_dict`.
 
         Raises:
             ValueError: the state of another kind of adversary, distribution, or columns.

@@ -18,7 +18,7 @@ VALUES = {"value": "mean_value", "positive_advantage": "positive_advantage", "ab
 
 @dataclass(frozen=True)
 class LevelBatch:
-    """The L levels of an update: level records `[L]`, and the names of the students that played them."""
+    """The L levels of an update: level records `[L]`, and the names of their students."""
 
     records: np.ndarray
     students: Sequence[str]
@@ -40,18 +40,18 @@ class LevelBatch:
 
     @property
     def returns(self) -> dict[str, np.ndarray]:
-        """For each student, mean undiscounted return `[L]` over its whole episodes; nan without one."""
+        """For each student, the mean undiscounted return `[L]` over its whole episodes; nan without an episode."""
         return dict(zip(self.students, mean_returns(self.records).T, strict=True))
 
     @property
     def best(self) -> dict[str, np.ndarray]:
-        """For each student, the best of these returns `[L]`."""
+        """For each student, the highest of these returns `[L]`."""
         best = np.fmax.reduce(self.records["returns"], 2)
         return dict(zip(self.students, best.T, strict=True))
 
     @property
     def episodes(self) -> dict[str, np.ndarray]:
-        """For each student, number of these episodes `[L]`."""
+        """For each student, the number of its whole episodes `[L]`."""
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:
@@ -71,8 +71,8 @@ class LevelBatch:
         """Return the results of students on each level, by name `[L]`, and its score.
 
         return, best, success: of each student, over its episodes. Methods whose scores may use values, such as PLR, add
-        best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0), |A| and the sum
-        that the score mna needs. CENIE adds the novelty, nan before the first mixture.
+        more columns: best_ever, the highest return ever on the level, and means over episodes. These are the means of
+        V, max(A, 0), |A| and the sum that the score mna needs. CENIE adds the novelty, nan before the first mixture.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}

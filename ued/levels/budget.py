@@ -1,8 +1,8 @@
 """The start of replay and of the teacher's updates, which depends on the length of the run.
 
 By default replay starts after 500 levels for a buffer of 1,000, and an adversary learns from 32 levels at a time. A run
-of long episodes may never play as many, so both also start after a share of the run. Without a known budget they start
-after a few levels of each environment. Read next: `levels.buffer`, `levels.teacher`.
+of long episodes may never play that many levels, so both also start after a share of the run. Without a known budget
+both start after a few levels of each environment. Read next: `levels.buffer`, `levels.teacher`.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-FILL = 0.5  # of the buffer: levels offered before replay starts
+FILL = 0.5  # levels offered before replay starts, as a share of the buffer
 BATCH = 32  # levels that an adversary waits for
-SHARE = 0.1  # of the budget, after which both start
+SHARE = 0.1  # share of the budget after which both start
 LEAST_BATCH = 4  # levels in an adversary's smallest batch
-LEVELS_PER_ENV = 4  # offered before replay without a known budget
+LEVELS_PER_ENV = 4  # levels offered before replay starts without a known budget
 NUM_ENVS = 16  # assumed for a curriculum without environments
 
 
@@ -34,11 +34,11 @@ class Budget:
 
     @classmethod
     def of(cls, space: Any) -> Budget:
-        """Return the default budget of a curriculum: of unknown length, with the environments of the space."""
+        """Return the default budget of a curriculum: unknown length, number of environments as in the space."""
         return cls(getattr(space, "num_envs", NUM_ENVS))
 
     def warm_up(self) -> int:
-        """Return the env_steps after which both start; 0 without a known budget."""
+        """Return the env_steps after which replay and updates start; 0 without a known budget."""
         return 0 if self.total is None else round(SHARE * self.total)
 
     def allows_replay(self, offered: int, capacity: int) -> bool:

@@ -26,12 +26,12 @@ EPSILON = 1e-8  # avoids a division by 0 for scores of 0
 
 
 def slot_dtype(level: np.dtype) -> np.dtype:
-    """Return the record of a level in the buffer.
+    """Return the dtype of a level's record in the buffer.
 
-    id: of the level, unique in a run; level; score; best: the highest return ever on it; solved: whether an episode on
-    it ever succeeded; last_played: time of its last replay, or of insertion; created: time of insertion; num_replays:
-    number of replays; parent: id of the level it was edited from, or NONE; generation: edits between it and a random
-    level.
+    id: number of the level, unique in a run; level; score; best: the highest return ever on it; solved: whether an
+    episode on it ever succeeded; last_played: time of its last replay, or of insertion; created: time of insertion;
+    num_replays: number of replays; parent: id of the level it was edited from, or NONE; generation: edits between it
+    and a random level.
     """
     return np.dtype(
         [
@@ -55,7 +55,7 @@ class LevelBuffer(Resumable):
     Args:
         space: the space of levels.
         config: capacity, priorities, staleness.
-        budget: of the run; see `is_ready`.
+        budget: budget of the run; see `is_ready`.
     """
 
     state_fields: tuple[str, ...] = ("slots", "now", "next_id", "replays")
@@ -67,7 +67,7 @@ class LevelBuffer(Resumable):
         self._count = 0
         self._rows: dict[bytes, int] = {}  # row of a level, by its key
         self._rows_by_id: dict[int, int] = {}
-        self._score_weights: np.ndarray | None = None  # until a score changes
+        self._score_weights: np.ndarray | None = None  # cached until a score changes
         self._by_rank = np.arange(1.0, config.capacity + 1) ** (-1 / config.temperature)
         self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores changed since the last ranking
         self.now = 0  # levels played so far: the clock of staleness
@@ -79,7 +79,7 @@ class LevelBuffer(Resumable):
 
     @property
     def slots(self) -> np.ndarray:
-        """The levels `[n]`, records of `slot_dtype`; a view."""
+        """A view of the levels `[n]`, records of `slot_dtype`."""
         return self._slots[: self._count]
 
     @slots.setter
@@ -98,8 +98,8 @@ class LevelBuffer(Resumable):
     def is_ready(self, min_fill: float | None) -> bool:
         """Return whether replay may start: after this share of the capacity was offered; None: by the budget.
 
-        Levels count when they are offered, not when they are stored: a few programs without parameters never fill a
-        buffer. Once replay has started by the budget, it continues, even if the budget is extended.
+        Levels count when they are offered, not when they are stored, since a few programs without parameters never fill
+        a buffer. Once replay has started by the budget, it continues even if the budget is extended.
         """
         if not self._count:
             return False
@@ -109,11 +109,11 @@ class LevelBuffer(Resumable):
         return self.replays
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack `replays`, and `solved` of their levels."""
+        """Restore a state returned by `state_dict`; older states lack `replays`, and `solved` of their levels."""
         super().load_state_dict({"replays": False} | state | {"slots": self._with_solved(state["slots"])})
 
     def _with_solved(self, slots: Any) -> Any:
-        """Return the levels of a state; in older ones a level counts as solved if its best return is above 0."""
+        """Return the levels of a state; in older states a level is solved if its best return is above 0."""
         fields = [item for item in self._slots.dtype.descr if item[0] != "solved"]
         if getattr(slots, "dtype", None) != np.dtype(fields):
             return slots
@@ -182,8 +182,9 @@ class LevelBuffer(Resumable):
         rng: np.random.Generator,
         new: Callable[[int], np.ndarray],
     ) -> np.ndarray:
-        """Return `count` level records in random order: each replayed with probability `replay_prob` once the buffer
-        `is_ready`, else made by `new`.
+        """Return `count` level records in random order.
+
+        Once the buffer `is_ready`, each is replayed with probability `replay_prob`; the others are made by `new`.
         """
         replays = rng.binomial(count, config.replay_prob) if self.is_ready(config.min_fill) else 0
         return np.concatenate([self.replay(dtype, replays, rng), new(count - replays)])[rng.permutation(count)]
@@ -191,7 +192,7 @@ class LevelBuffer(Resumable):
     # ------------------------------------------------------------ insertion
 
     def find(self, ids: np.ndarray) -> np.ndarray:
-        """Return the row `[k]` of each id, NONE for a level that is not in the buffer."""
+        """Return the row `[k]` of each id; NONE if the level is not in the buffer."""
         return np.array([self._rows_by_id.get(number, NONE) for number in ids.tolist()], np.int64)
 
     def best_returns(self, records: np.ndarray) -> np.ndarray:
@@ -209,7 +210,7 @@ class LevelBuffer(Resumable):
         return ever
 
     def remember(self, records: np.ndarray) -> None:
-        """Fill in the history of each level that scores need: `best`, and `ever_solved` in records that have it."""
+        """Fill in the history of each level that scores need: `best`, and `ever_solved` in records with this field."""
         records["best"] = self.best_returns(records)
         if "ever_solved" in (records.dtype.names or ()):
             records["ever_solved"] = self.ever_solved(records)
@@ -249,8 +250,8 @@ class LevelBuffer(Resumable):
         """Insert scored records `[k]` of new levels, with the best returns `[k]` on them; return how many are kept.
 
         In a full buffer they replace the levels with the smallest replay weights, if their scores are at least as high.
-        A level that is already in the buffer keeps the higher score. The generation of an edit whose parent is gone
-        starts again at 1. Levels without an id get one, since some trainers do not number levels.
+        A level that is already in the buffer keeps the higher score. An edited level has generation 1 if its parent is
+        no longer in the buffer. Levels without an id get one, since some trainers do not number levels.
         """
         self.next_id = number(records, self.next_id)
         rows = self._as_slots(records, best)
@@ -296,13 +297,13 @@ class LevelBuffer(Resumable):
         return rows["score"], self.slots["score"]
 
     def _weakest(self, count: int) -> np.ndarray:
-        """Return the rows of at most `count` levels that better ones may replace, the weakest first."""
+        """Return the rows of at most `count` levels that better levels may replace, the weakest first."""
         return smallest(self.weights(), count)
 
     def _put(self, place: int, row: np.void) -> bool:
         key = self.space.key_of(row["level"])
         if self.config.no_duplicates and key in self._rows:
-            return False  # the same level twice in one call
+            return False  # the level occurs twice in one call
         if place < self._count:
             self._rows.pop(self.space.key_of(self._slots["level"][place]), None)
             self._rows_by_id.pop(int(self._slots["id"][place]), None)

@@ -5,8 +5,8 @@
         action ~ policy(level so far, number of the step, z)        no reward
     the finished levels are played; the reward of the last step is their score
 
-So it is a student whose episodes are levels. As in DCD, the step number is observed as a one-hot vector (its
-`MultigridNetwork`). Two things differ from DCD: z is drawn once per level instead of at each step, and the network is
+So the adversary is a student whose episodes are levels. As in DCD (`MultigridNetwork`), it observes the step number as
+a one-hot vector. Two things differ from DCD. z is drawn once per level instead of at each step. The network is
 feed-forward by default, since an action depends only on the level so far and the step.
 
 Scores arrive later, in any order, and some never arrive. So a proposal stores the data of its update: z, luck, actions,
@@ -58,8 +58,8 @@ class Builder(Resumable):
         generator: random generator of weights, samples and minibatches.
 
     Raises:
-        ValueError: a builder without steps or actions, whose observations are no vectors, or whose levels need more
-            memory than this machine has.
+        ValueError: a builder without steps or actions, with observations that are not vectors, or with levels that need
+            more memory than this machine has.
     """
 
     state_fields = ("ppo", "scale")
@@ -76,7 +76,7 @@ class Builder(Resumable):
 
     @property
     def record_fields(self) -> list[tuple[Any, ...]]:
-        """The fields of a level record that hold a proposal: those of `Built`."""
+        """The fields of a level record that hold a proposal: the fields of `Built`."""
         each = (self.steps,)
         return [
             ("z", np.float32, (self.context_size,)),
@@ -156,10 +156,10 @@ class Builder(Resumable):
         )
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`.
+        """Restore a state returned by `state_dict`.
 
         Raises:
-            ValueError: the state of another kind of adversary, or of other levels.
+            ValueError: the state of another kind of adversary, or for other levels.
         """
         if "ppo" not in state:
             raise ValueError("the saved adversary chooses levels in one step (builder = direct), this one builds them")
@@ -179,7 +179,7 @@ class Builder(Resumable):
 def ppo_settings(config: AdversaryConfig, steps: int) -> PPOConfig:
     """Return the settings of PPO for levels of this many steps.
 
-    Observations are in about [-1, 1] already: they are centered, but not divided by smaller deviations than 1.
+    Observations are already in about [-1, 1], so they are centered, but not divided by deviations below 1.
     """
     return PPOConfig(
         num_steps=steps,
@@ -194,12 +194,12 @@ def ppo_settings(config: AdversaryConfig, steps: int) -> PPOConfig:
 
 
 def builder_setting(kind: str) -> str:
-    """Return the setting for this builder, as it is typed in Python and on the command line."""
+    """Return the setting of this builder in Python and on the command line."""
     return f"builder={kind!r} (--METHOD.adversary.builder {kind})"
 
 
 def _check(builder: LevelBuilder) -> int:
-    """Return the size of a builder's observations. Raises `ValueError` for one that cannot be used."""
+    """Return the size of a builder's observations. Raises `ValueError` for an invalid builder."""
     name = type(builder).__name__
     if builder.steps < 1 or builder.actions < 1:
         raise ValueError(

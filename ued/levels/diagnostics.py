@@ -1,7 +1,7 @@
 """Metrics of the levels of an update for every method: distribution, origins, success rates.
 
-They show whether a curriculum collapses. A teacher that proposes few different levels has a low entropy and coverage; a
-teacher whose levels are too hard has a low success rate. `regret_split` shows how much regret is luck.
+They show whether a curriculum collapses. If a teacher proposes few different levels, entropy and coverage are low; if
+its levels are too hard, the success rate is low. `regret_split` shows the share of luck in the regret.
 Read next: `methods.method`, which logs them in every update.
 """
 
@@ -15,8 +15,8 @@ from ued.core.cells import index_in
 from ued.core.parameters import Parameter, choice_in
 from ued.levels.record import Origin, mean_returns, solved
 
-BINS = 10  # of each column of θ that is a real number
-MOST_CHOICES, MOST_OPTIONS = 4, 8  # with separate metrics
+BINS = 10  # bins of each column of θ that is a real number
+MOST_CHOICES, MOST_OPTIONS = 4, 8  # maximum numbers of choices and options with separate metrics
 
 
 def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
@@ -61,7 +61,7 @@ def theta_metrics(theta: np.ndarray, draws: Sequence[Parameter] | None = None) -
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
     theta_entropy: sum of the columns' entropies in nats, from histograms with Miller and Madow's correction (1955);
         random levels have D log 2, the largest value. The adversary's entropy bonus has the same unit.
-    theta_coverage: share of bins with a level, divided by the share expected of as many random levels.
+    theta_coverage: share of bins with a level, divided by the expected share for the same number of random levels.
     """
     count, dim = theta.shape
     if not dim or count < 2:
@@ -97,7 +97,8 @@ def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, 
     """Return metrics of scored level records `[L]` for each option of the first choices among `draws`.
 
     choice_ratio/COLUMN/OPTION: share of the option in the adversary's levels, divided by its weight in the program;
-    below 1: rarer than in random levels. choice_score/COLUMN/OPTION: mean score of all levels with it, nan without one.
+    below 1: rarer than in random levels. choice_score/COLUMN/OPTION: mean score of all levels with the option; nan
+    without such a level.
     """
     theta, proposed = levels["level"]["theta"], levels["origin"] == Origin.PROPOSED
     metrics, known = (

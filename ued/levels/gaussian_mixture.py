@@ -1,11 +1,12 @@
 """Gaussian mixtures, fitted by expectation maximization (Dempster et al. 1977), several mixtures at once.
 
-The algorithm is that of scikit-learn, whose many small calls per Gaussian dominate the time for a few hundred rows. Log
-densities are quadratic forms of a row, and moments are sums over rows. So with precomputed products of a row's entries,
-each of the two is one matrix product.
+The algorithm is that of scikit-learn, where many small calls per Gaussian dominate the time for a few hundred rows. Log
+densities are quadratic forms of a row, and moments are sums over rows. So both are single matrix products, given the
+precomputed products of each row's entries.
 
-Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns; otherwise they would
-be singular, and diagonal covariances are used (scikit-learn's "diag"), which need D instead of D² products of a row.
+Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns. Otherwise full
+covariances would be singular, and diagonal ones are used (scikit-learn's "diag"). They need D instead of D² products of
+a row.
 Read next: `methods.alp_gmm`.
 """
 
@@ -58,9 +59,7 @@ class GaussianMixture:
         return self.means[which] + ((roots @ noise[:, :, None])[:, :, 0] if self.full else roots * noise)
 
     def log_densities(self, products: np.ndarray) -> np.ndarray:
-        """Return the log of each Gaussian's weighted density for each row, given its products `[n, P]`:
-        `[K, n]`.
-        """
+        """Return the log weighted density `[K, n]` of each Gaussian for each row, given the rows' products `[n, P]`."""
         count, dim = self.means.shape
         if self.full:
             root = self._roots
@@ -76,8 +75,9 @@ class GaussianMixture:
 
 
 def products_of(data: np.ndarray, full: bool) -> np.ndarray:
-    """Return the products of all pairs of entries of (1, row) for each row of data `[n, D]`: `[n, (1 + D)²]`, or for
-    diagonal covariances 1, row and row²: `[n, 1 + 2 D]`.
+    """Return the products of entries of (1, row) for each row of data `[n, D]`.
+
+    All pairs `[n, (1 + D)²]`, or for diagonal covariances 1, row and row²: `[n, 1 + 2 D]`.
     """
     rows = np.concatenate([np.ones((len(data), 1)), data], 1)
     if not full:
@@ -103,8 +103,8 @@ def fit(
 ) -> list[GaussianMixture]:
     """Fit one mixture for each of these numbers of Gaussians to data `[n, D]`, initialized by clusters.
 
-    All mixtures, with K Gaussians in total, are updated together; each stops when it has converged. `full` covariances
-    or diagonal ones; None: full if there are enough rows. `regulariser` is added to variances.
+    All mixtures, with K Gaussians in total, are updated together; each stops when it has converged. Covariances are
+    full or diagonal (`full`); None: full if there are enough rows. `regulariser` is added to variances.
     """
     if full is None:
         full = data.shape[1] <= min(MOST_FULL, len(data) // max(counts))
@@ -136,8 +136,9 @@ def _joined(mixtures: Sequence[GaussianMixture]) -> GaussianMixture:
 
 
 def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the responsibilities `[K, n]` of Gaussians for rows, given their log weighted densities `[K, n]`, and the
-    mean log-likelihood of each mixture in `owner` `[K]`.
+    """Return the responsibilities `[K, n]` of Gaussians for rows, and the mean log-likelihood of each mixture.
+
+    `parts` `[K, n]` are the log weighted densities; `owner` `[K]` is the mixture of each Gaussian.
     """
     starts, sizes = np.unique(owner, return_index=True, return_counts=True)[1:]
     largest = np.maximum.reduceat(parts, starts)
@@ -149,9 +150,7 @@ def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _maximize(products: np.ndarray, share: np.ndarray, dim: int, regulariser: float) -> GaussianMixture:
-    """Return the maximum-likelihood mixtures for these responsibilities `[K, n]` and products of rows with D = `dim`
-    columns.
-    """
+    """Return the maximum-likelihood mixtures for responsibilities `[K, n]` and products of rows of `dim` columns."""
     moments = share @ products  # [K, P]
     total = moments[:, 0] + 10 * np.finfo(float).eps  # [K]
     moments = moments / total[:, None]
@@ -182,8 +181,9 @@ def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator)
 
 
 def _far_apart(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
-    """Return initial centers `[K, D]` from the rows of data `[n, D]` by k-means++ (Arthur and Vassilvitskii 2007),
-    sampled separately for each number of clusters.
+    """Return initial centers `[K, D]` from the rows of data `[n, D]` by k-means++ (Arthur and Vassilvitskii 2007).
+
+    They are sampled separately for each number of clusters.
     """
     squares, chosen = (data**2).sum(1), [rng.integers(len(data), size=len(counts))]  # [M] rows
     far = np.full((len(counts), len(data)), math.inf)

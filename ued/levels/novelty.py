@@ -1,4 +1,4 @@
-"""The novelty of a level: how unlikely the student's state-action pairs on it are under a model of its past ones.
+"""The novelty of a level: the negative log-likelihood of its state-action pairs under a model of past pairs.
 
 CENIE (Teoh et al. 2024) models past pairs by a mixture of Gaussians. The novelty of a level is the mean of
 -log p(observation, action) over the steps on it. Read next: `levels.novelty_buffer`, which ranks levels by it.
@@ -21,12 +21,12 @@ from ued.learning.rollout import Rollout
 from ued.learning.value_stats import NAMES, EpisodeValues
 from ued.levels.gaussian_mixture import GaussianMixture, fit, products_of
 
-CLIP = 10.0  # of a column's distance from the mean of the window, in its scale
-LEAST_SCALE = 0.1  # of the range of a column in the window: limits the distance of rare values
+CLIP = 10.0  # limit of a column's distance from the mean of the window, in units of its scale
+LEAST_SCALE = 0.1  # share of the range of a column in the window: limits the distance of rare values
 REGULARISER = 0.1  # added to variances (about 1 in the window): limits the effect of a single new value
 COUNTS = (2, 4, 8, 16, 32, 64)  # numbers of Gaussians to select from, by silhouette
-LEAST_ROWS = 8  # per Gaussian
-JUDGED = 256  # rows for the silhouette
+LEAST_ROWS = 8  # minimum number of rows per Gaussian
+JUDGED = 256  # rows from which the silhouette is computed
 BLOCK = 1 << 18  # numbers in a block of rows whose densities are computed together, so that it fits into the cache
 
 
@@ -37,9 +37,9 @@ class Coverage(Resumable):
     diagonal, which keeps the cost linear in the number of columns.
 
     Args:
-        columns: D, of a pair.
+        columns: D, the number of columns of a pair.
         config: size of the window, and the interval between fits.
-        seed: for the choice of stored pairs and for the initial clusters of a fit.
+        seed: seed of the choice of stored pairs and of the initial clusters of a fit.
     """
 
     state_fields = ("pairs", "rng", "updates", "fitted", "mixture")
@@ -48,7 +48,7 @@ class Coverage(Resumable):
     def __init__(self, columns: int, config: CoverageConfig, seed: int) -> None:
         self.config, self.rng = config, np.random.default_rng(seed)
         self.pairs = np.zeros((0, columns), np.float32)  # [n, D]
-        self.updates = self.fitted = 0  # that brought pairs, so far and at the last fit
+        self.updates = self.fitted = 0  # updates with pairs, so far and at the last fit
         self.mixture: dict[str, np.ndarray] | None = None  # center and scale `[D]`, and fields of a GaussianMixture
 
     @property
@@ -61,7 +61,7 @@ class Coverage(Resumable):
         return np.sort(self.rng.permutation(count)[: self.config.pairs_per_update])
 
     def remember(self, pairs: np.ndarray) -> None:
-        """Add pairs `[m, D]` to the window, in place of the oldest ones."""
+        """Add pairs `[m, D]` to the window in place of the oldest pairs."""
         self.pairs = np.concatenate([self.pairs, pairs.astype(np.float32)])[-self.config.window :]
         self.updates += len(pairs) > 0
 
@@ -92,15 +92,15 @@ class Coverage(Resumable):
 
 
 class EpisodeNovelty(EpisodeValues):
-    """Follows episodes as `EpisodeValues`, and the novelty of their state-action pairs; grows the coverage.
+    """`EpisodeValues` that also follows the novelty of state-action pairs and adds pairs to the coverage.
 
     The novelty of an episode is the mean novelty of its pairs, over steps and agents, under the mixture at that time;
     inf for an episode with steps before the first mixture. Then the training pairs of the rollout enter the window.
 
     Args:
         num_envs: N.
-        coverage: of past pairs.
-        action_space: of one agent.
+        coverage: coverage of past pairs.
+        action_space: action space of one agent.
         negative, agents: see `EpisodeValues`.
     """
 
@@ -140,8 +140,8 @@ class EpisodeNovelty(EpisodeValues):
 def state_actions(rollout: Rollout, choices: np.ndarray, rows: Tensor | None = None) -> np.ndarray:
     """Return the state-action pairs of all agents at all steps, in the order of `rollout.value`: float32 `[n, D]`.
 
-    Observations are flat; a choice among K values, as in `networks.choices_of`, is a one-hot of K columns.
-    `rows` selects among them.
+    Observations are flat; a choice among K values, as in `networks.choices_of`, is a one-hot of K columns. `rows`
+    selects among the pairs.
     """
     count = rollout.value.numel()
     seen, action = rollout.observation.reshape(count, -1), rollout.action.reshape(count, -1)
@@ -161,8 +161,8 @@ def state_actions(rollout: Rollout, choices: np.ndarray, rows: Tensor | None = N
 def silhouette(rows: np.ndarray, labels: np.ndarray) -> float:
     """Return the mean silhouette of rows `[n, D]` in clusters `labels` `[n]` (Rousseeuw 1987); -1 for one cluster.
 
-    The silhouette of a row is (b - a) / max(a, b), with a the mean distance to its own cluster and b that to the
-    nearest other one; 0 for a cluster of one row.
+    The silhouette of a row is (b - a) / max(a, b); it is 0 for a cluster of one row. a is the mean distance to its
+    own cluster, b the mean distance to the nearest other cluster.
     """
     _, which, sizes = np.unique(labels, return_inverse=True, return_counts=True)
     if len(sizes) < 2:
@@ -190,7 +190,7 @@ def _scaled(pairs: np.ndarray, center: np.ndarray, scale: np.ndarray) -> np.ndar
 
 
 def _log_densities(mixture: GaussianMixture, rows: np.ndarray) -> np.ndarray:
-    """Return `GaussianMixture.log_densities` of rows `[n, D]`, whose squares it takes in place: `[K, n]`."""
+    """Return `GaussianMixture.log_densities` `[K, n]` of rows `[n, D]`; the rows are squared in place."""
     precision = 1 / mixture.covariances
     slope = mixture.means * precision
     constant = np.log(mixture.weights) + 0.5 * (np.log(precision) - math.log(2 * math.pi) - mixture.means * slope).sum(
@@ -202,6 +202,6 @@ def _log_densities(mixture: GaussianMixture, rows: np.ndarray) -> np.ndarray:
 
 
 def _unlikelihood(parts: np.ndarray) -> np.ndarray:
-    """Return -log of the sum over Gaussians of densities, whose logs are `[K, n]`: `[n]`."""
+    """Return -log of the sum of densities over Gaussians `[n]`, given the log-densities `[K, n]`."""
     most = parts.max(0)
     return -(most + np.log(np.exp(parts - most).sum(0)))

@@ -22,11 +22,11 @@ def novelty_slot_dtype(level: np.dtype) -> np.dtype:
 
 
 class NoveltyBuffer(LevelBuffer):
-    """A `LevelBuffer` whose levels also have a novelty. Level records have a field `novelty` `[1, n]`, of episodes.
+    """A `LevelBuffer` whose levels also have a novelty. The field `novelty` `[1, n]` of a level record is per episode.
 
     Args:
         space, config, budget: see `LevelBuffer`.
-        share: of P_novelty in the replay priority, from 0 to 1.
+        share: share of P_novelty in the replay priority, from 0 to 1.
     """
 
     slot_dtype = staticmethod(novelty_slot_dtype)
@@ -48,7 +48,7 @@ class NoveltyBuffer(LevelBuffer):
         return (1 - self.share) * super()._by_score() + self.share * self._ranks(self.slots["novelty"])
 
     def _ranks(self, values: np.ndarray) -> np.ndarray:
-        """Return weights `[n]` by the rank of values `[n]`, of sum 1."""
+        """Return weights `[n]`, which sum to 1, by the rank of values `[n]`."""
         weight = np.empty(len(values))
         weight[np.argsort(-values, kind="stable")] = np.arange(1.0, len(values) + 1) ** (-1 / self.config.temperature)
         return weight / weight.sum()

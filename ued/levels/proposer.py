@@ -1,4 +1,4 @@
-"""The adversary of a space of levels: one that chooses θ or codes in one step, or one that builds levels.
+"""The adversary of a space of levels: it chooses θ or codes in one step, or builds levels step by step.
 
 | levels | `builder = direct` | `builder = steps` |
 |---|---|---|
@@ -73,7 +73,7 @@ class CodeAdversary(Adversary):
     def theta(self, proposals: Proposals) -> np.ndarray:
         """Return the proposed codes, float64 `[n, D]` in [-1, 1].
 
-        Valid ones are decoded and encoded again, since equal levels have equal codes.
+        Valid codes are decoded and encoded again, so that equal levels have equal codes.
         """
         codes = super().theta(proposals)
         for column, cells in self.cells:
@@ -88,7 +88,7 @@ def make_adversary(
 ) -> Proposer:
     """Return the adversary that `config.builder` names, for these levels.
 
-    Raises `ValueError` if they cannot be chosen in this way.
+    Raises `ValueError` if this adversary cannot choose such levels.
     """
     family, kind = space.level_family, config.builder
     if family is None:
@@ -114,7 +114,7 @@ def make_adversary(
 
 
 def _lacking(family: LevelFamily, kind: str, lacks: str) -> str:
-    """Return the error for a family whose levels cannot be chosen, with the missing attribute."""
+    """Return the error message for a family whose levels cannot be chosen; it names the missing attribute."""
     name = type(family).__name__
     other = {"builder": "parameters", "parameters": "builder"}[lacks]
     if getattr(family, other, None) is not None:

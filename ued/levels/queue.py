@@ -1,9 +1,9 @@
 """The queue of levels: all students play the same levels in the same order, for the same number of whole episodes.
 
-An environment that has finished the episodes of its level takes the next one from the queue while the others continue.
-So a change of level interrupts no episode, long episodes count like short ones, and no environment waits for the
-longest episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest student,
-it repeats its level until the others have caught up. It learns from these episodes, but they do not count as results.
+An environment that has finished the episodes of its level takes the next level from the queue while the others
+continue. So a change of level interrupts no episode, long episodes count like short ones, and no environment waits for
+the longest episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest
+student, it repeats levels until the others have caught up. It learns from these episodes, but they are not results.
 Read next: `methods.method`, whose `collect_rollouts` uses this queue.
 """
 
@@ -25,8 +25,8 @@ from ued.levels.record import NONE, number
 # Levels proposed ahead if all proposals are played: at least this many, and for many environments a share of their
 # number, since proposing many levels takes little longer than proposing one.
 PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
-# The same for environments that prepare levels in blocks, see `propose_in_blocks`: if all proposals are played, at most
-# one per environment.
+# The same for environments that prepare levels in blocks, see `propose_in_blocks`. If all proposals are played, there
+# is at most one per environment.
 BLOCK, PLAYED_BLOCK = 64, 16
 
 
@@ -36,11 +36,11 @@ class LevelQueue(Resumable):
     Args:
         curriculum: proposes the levels.
         num_envs: N.
-        max_lead: levels that one student may be ahead of another, at least N; 0: no new level before `clear`.
+        max_lead: maximum lead of one student over another in levels, at least N; 0: no new level before `clear`.
         drop_stale_proposals: after each update, drop the proposals that no student has started, so that the updated
             curriculum proposes the next levels. Not for a curriculum whose proposals change its state, such as replay.
-        resample_level_every: an environment takes a new level after the episodes of its level ("episode"), or only the
-            first time that this happens in each rollout ("rollout").
+        resample_level_every: an environment takes a new level each time it has finished the episodes of its level
+            ("episode"), or only the first time in each rollout ("rollout").
 
     Attributes:
         prefetch: for each student, the function that announces to its environments which levels it will play next,
@@ -71,8 +71,8 @@ class LevelQueue(Resumable):
         self.playing = np.full(
             (self.students, num_envs), NONE
         )  # [S, N] index of the record that each environment plays
-        self.next_id = self.next_visit = 0  # of levels, and of visits
-        self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once per rollout
+        self.next_id = self.next_visit = 0  # next numbers of a level and of a visit
+        self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N], used for one level per rollout
         self.prefetch: list[Callable[[np.ndarray], None]] = [lambda levels: None] * self.students
         self._announced = [NONE] * self.students  # the last visit announced to each student's environments
         self._forget_ended()
@@ -93,11 +93,11 @@ class LevelQueue(Resumable):
         Return the environments `[c]` that change their level, and their new records `[c]`, a view as in `first`. The
         others repeat their level.
         """
-        if self.once_per_rollout:  # episodes of the others do not count
+        if self.once_per_rollout:  # only the first episode counts
             first = self.needs_new_level[student, ended]
             ended, returns, success = ended[first], returns[first], success[first]
         envs, due = ended.tolist(), self._due[student]  # lists: faster for few environments
-        left = [due[env] for env in envs]  # this one included
+        left = [due[env] for env in envs]  # includes the episode that ended
         self._ended[student].append((self.playing[student, ended], left, returns, success))
         for env in envs:
             due[env] -= 1
@@ -153,7 +153,7 @@ class LevelQueue(Resumable):
 
     def visits(self, student: int) -> np.ndarray:
         """Return the visit that each of a student's environments plays `[N]`; NONE without a level."""
-        return np.append(self.records["visit"], NONE)[self.playing[student]]  # NONE, -1, is the last
+        return np.append(self.records["visit"], NONE)[self.playing[student]]  # NONE, -1, is the last index
 
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
         """Store the critic's statistics of the E episodes that ended since the last call, in their order: `[E]` each.
@@ -183,7 +183,7 @@ class LevelQueue(Resumable):
         self._due = [
             [0] * self.num_envs for _ in range(self.students)
         ]  # [S][N] episodes left on the level of each environment
-        # of the episodes that ended in each step [k]: record, episodes left, returns, success
+        # for the episodes that ended in each step [k]: record, episodes left, returns, success
         self._ended: list[list[tuple[Any, ...]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
@@ -197,7 +197,7 @@ class LevelQueue(Resumable):
         finished = self.finished()
         records, before = as_void_view(self.records), np.cumsum(finished) - finished
         index = np.where(finished, NONE, np.arange(len(self.records)) - before)
-        index = np.append(index, NONE)  # so that NONE, the last, stays NONE
+        index = np.append(index, NONE)  # so that NONE, the last index, stays NONE
         self.playing = index[self.playing]
         self.taken = self.taken - np.array([finished[:count].sum() for count in self.taken])
         self.records = records[~finished].view(self.curriculum.dtype)
@@ -218,8 +218,9 @@ class LevelQueue(Resumable):
         return super().state_dict()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError if its level records have other fields, or if an
-        environment plays a record that does not exist.
+        """Restore a state returned by `state_dict`.
+
+        Raises ValueError if its level records have other fields, or if an environment plays a missing record.
         """
         expected, stored = self.records.dtype.names or (), state["records"].dtype.names or ()
         if expected != stored:
@@ -230,10 +231,10 @@ class LevelQueue(Resumable):
         _check_range("taken", self.taken, (students,), 0, rows)
         _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
         _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
-        self._forget_ended()  # of an interrupted update
+        self._forget_ended()  # episodes of an interrupted update
         self._announced = [NONE] * self.students
         due = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
-        due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
+        due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last index
         self._due = due[self.playing, np.arange(students)[:, None]].tolist()
 
 
@@ -248,12 +249,12 @@ class StudentQueue:
         return self.queue.on_episode_end(self.student, ended, returns, success)
 
     def at_hand(self) -> np.ndarray:
-        """Return the next records, at most PREFETCH; none with one level per rollout, where each end needs a call."""
+        """Return the next records, at most PREFETCH; none with one level per rollout: each end then needs a call."""
         start = int(self.queue.taken[self.student])
         return self.queue.records[start : start + (0 if self.queue.once_per_rollout else PREFETCH)]
 
     def most(self) -> int:
-        """Return how many levels the student may take before it is `max_lead` ahead of the slowest other one."""
+        """Return how many levels the student may take before its lead over the slowest other student is `max_lead`."""
         taken = self.queue.taken.tolist()
         others = taken[: self.student] + taken[self.student + 1 :]
         if not others:
@@ -266,7 +267,7 @@ class StudentQueue:
         return [1] * len(due) if self.queue.once_per_rollout else due
 
     def apply(self, events: Events, due: list[int]) -> None:
-        """Record the episodes that ended, the levels taken, and the present `due`."""
+        """Record the episodes that ended, the levels taken, and the current `due`."""
         if not len(events.env):
             return
         queue, start = self.queue, int(self.queue.taken[self.student])

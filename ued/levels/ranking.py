@@ -1,4 +1,4 @@
-"""The ranks of scores of which a few change at a time, since sorting all scores of a large buffer is slow.
+"""Ranks of scores that are updated when a few scores change, since sorting all scores of a large buffer is slow.
 
 Read next: `levels.buffer`, whose priorities follow ranks.
 """
@@ -13,16 +13,16 @@ FEW = 64  # minimum ratio of unchanged to changed scores for updating the order 
 
 
 class Ranking:
-    """Rows in the order of falling scores; ties are in the order of rows."""
+    """Rows in descending order of scores; ties are in the order of rows."""
 
     def __init__(self) -> None:
         self.order = np.zeros(0, np.int64)  # [n] rows, the highest score first
-        self._keys = np.zeros(0)  # [n] their scores, negated: rising
+        self._keys = np.zeros(0)  # [n] their negated scores, in ascending order
 
     def update(self, scores: np.ndarray, changed: Collection[int]) -> np.ndarray:
         """Return the order `[n]` of these scores `[n]`.
 
-        Only the scores of the rows `changed`, which include new rows, differ from those of the last call.
+        Only the scores of the rows `changed`, which include new rows, differ from the scores of the last call.
         """
         if len(scores) < FEW * len(changed) or not len(self.order):
             self.order = np.argsort(-scores, kind="stable")
@@ -32,7 +32,7 @@ class Ranking:
         return self.order
 
     def _mend(self, scores: np.ndarray, rows: np.ndarray) -> None:
-        """Move these rows `[k]`, which are sorted, to the places of their new scores."""
+        """Move these sorted rows `[k]` to the places of their new scores."""
         keys = -scores[rows]
         by_key = np.argsort(keys, kind="stable")
         rows, keys = rows[by_key], keys[by_key]

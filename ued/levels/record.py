@@ -33,7 +33,7 @@ NEGATIVE = "negative_advantage"  # a result in records that have this field, see
 def level_record_dtype(
     level: np.dtype, students: int = 1, episodes: int = 1, extra: Sequence[tuple[Any, ...]] = ()
 ) -> np.dtype:
-    """Return the dtype of a level record with S students who play up to n whole episodes each.
+    """Return the dtype of a level record for S students that play up to n whole episodes each.
 
     Set by the curriculum in `propose`:
         level: a record of `level_space.level_dtype`; origin: an `Origin`; id: the level's number, kept by a replayed
@@ -45,8 +45,8 @@ def level_record_dtype(
         1 or 0, nan if unknown (see `solved`); mean_value, positive_advantage, absolute_advantage `[S, n]`: means over
         the steps of an episode of V, max(A, 0) and |A|, nan for a trainer without values.
     Set by the curriculum in `update`:
-        score: of the level, nan without one.
-    `extra` are further fields of the curriculum.
+        score: score of the level, nan if there is none.
+    `extra` holds additional fields of the curriculum.
     """
     return np.dtype(
         [
@@ -66,7 +66,7 @@ def level_record_dtype(
 
 
 def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDOM) -> np.ndarray:
-    """Return records `[k]` of these levels, to learn from, without results."""
+    """Return records `[k]` of these levels, without results, with `train` set."""
     records = np.zeros(len(levels), dtype)
     records["level"], records["origin"], records["train"] = levels, origin, True
     records["id"] = records["visit"] = records["parent"] = NONE

@@ -1,4 +1,4 @@
-"""Regions of θ: the levels of a lesson, from parameters in their own units to columns of θ.
+"""Regions of θ: the levels of a lesson, converted from parameters in their own units to columns of θ.
 
 A region is an interval of each column, and the allowed options of some columns. Its levels follow the distribution of
 random levels, restricted to the region. Read next: `methods.lessons`.
@@ -19,7 +19,7 @@ from ued.core.parameters import Parameter, cells_in
 from ued.lesson_config import NUMBER, Lesson
 
 ENDS = re.compile(rf"({NUMBER})(?:\s*\.\.\s*({NUMBER}))?", re.IGNORECASE)
-HALVINGS = 60  # of [-1, 1], to find the θ of a value
+HALVINGS = 60  # bisections of [-1, 1] to find the θ of a value
 ELSEWHERE = 0.37  # value of the other columns, to test whether a column's units depend on them
 
 
@@ -37,14 +37,14 @@ class Region:
     options: dict[int, np.ndarray]
 
     def towards(self, other: Region, share: float) -> Region:
-        """Return this region with its ends moved by a share of the way to those of another; options stay."""
+        """Return this region with its ends moved by a share of the way to those of another; options do not change."""
         low, high = (one + share * (two - one) for one, two in ((self.low, other.low), (self.high, other.high)))
         return Region(low, high, self.options)
 
     def sample(self, space: LevelSpace, count: int, rng: np.random.Generator, where: str) -> np.ndarray:
-        """Sample levels of the region, `[count]` of `level_dtype(D)`, by rejection of the invalid ones.
+        """Sample levels of the region, `[count]` of `level_dtype(D)`, by rejection of invalid levels.
 
-        Raises `ThetaError`, which names `where`, if one is still invalid after MAX_TRIES draws.
+        Raises `ThetaError`, which names `where`, if a level is still invalid after MAX_TRIES draws.
         """
         theta = self._draw(space, count, rng)
         wrong = np.flatnonzero(~space.valid(theta)) if count else np.empty(0, int)
@@ -56,7 +56,7 @@ class Region:
         raise ThetaError(f"no valid level found in {MAX_TRIES} draws of {where}")
 
     def _draw(self, space: LevelSpace, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Sample θ `[count, D]` without a check of validity."""
+        """Sample θ `[count, D]` without a validity check."""
         theta = self.low + (self.high - self.low) * rng.random((count, len(self.low)))
         for column, weights in self.options.items():
             cells = cells_in(space.parameters[column])
@@ -86,7 +86,7 @@ def region_of(space: LevelSpace, lesson: Lesson) -> Region:
 
 
 def _restrict(region: Region, space: LevelSpace, column: int, values: str) -> None:
-    """Restrict one column of a region to the values of a text."""
+    """Restrict one column of a region to the values that a text specifies."""
     cells, parameter = cells_in(space.parameters[column]), space.parameters[column]
     where = np.arange(len(region.low)) == column
     if values.startswith("theta "):
@@ -142,7 +142,7 @@ def _weights(parameter: Parameter, cells: Cells, values: str) -> np.ndarray:
 def _theta_of(space: LevelSpace, column: int, value: float) -> float:
     """Return the θ of a value of a real column, by bisection of `describe`.
 
-    Raises ValueError for a value outside the column's range, and if its units depend on other columns.
+    Raises ValueError for a value outside the column's range, and if the column's units depend on other columns.
     """
     name = space.parameters[column].name
 

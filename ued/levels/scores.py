@@ -1,6 +1,6 @@
 """Scores of levels for a teacher or a buffer, from the results of students.
 
-Returns are undiscounted sums over whole episodes; nan marks an episode that was not played, which means exclude.
+Returns are undiscounted sums over whole episodes; nan marks an episode that was not played, which means exclude it.
 Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose score is regret.
 """
 
@@ -17,7 +17,7 @@ from ued.core.own_code import OwnCodeError, is_name, line_in, load
 from ued.levels.record import NEGATIVE, make_records, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
-REHEARSED = 8  # levels with made-up results, on which a user's score is tried before training
+REHEARSED = 8  # levels with synthetic results, on which a user's score is tested before training
 
 
 def max_mc(records: np.ndarray, best: np.ndarray) -> np.ndarray:
@@ -42,7 +42,7 @@ def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
     """Return p (1 - p) `[L]`, p the share of episodes that succeed (Rutherford et al. 2024, section 4).
 
     It is 0 for a single episode, so several are needed. The estimate of the variance is unbiased, n / (n - 1) times the
-    naive one, so that levels with more episodes do not appear more learnable.
+    naive estimate, so that levels with more episodes do not appear more learnable.
     """
     success = solved(records)[:, 0]
     count, p = (~np.isnan(success)).sum(1), mean_played(success)
@@ -53,9 +53,9 @@ def generalized_learnability(records: np.ndarray, best: np.ndarray) -> np.ndarra
     """Return learnability for returns that are not binary `[L]` (Monette et al. 2025, "generalised learnability").
 
     It is the standard deviation of a level's returns, times the normal density of their mean among the means of all L
-    levels: a level scores high if its returns vary and their mean is typical. The density is scaled to at most 1, so
-    levels with equal means have a score; as in `learnability`, the variance is unbiased. Adding a constant to all
-    returns changes no score, and a factor scales all. The density uses the standard deviation of the means; the
+    levels. So the score is high if the returns vary and their mean is typical. The density is scaled to at most 1, so
+    levels with equal means have a score. As in `learnability`, the variance is unbiased. Adding a constant to all
+    returns changes no score; a factor scales all scores. The density uses the standard deviation of the means; the
     authors' code uses their variance, which depends on the unit of returns.
     """
     returns = records["returns"][:, 0]
@@ -92,7 +92,7 @@ NEEDS = {
 
 
 def find(rule: str) -> Score:
-    """Return the score of a name: one of `SCORES`, or a function of the user, `module:name` or `file.py:name`.
+    """Return the score function of this name: one of `SCORES`, or user code `module:name` or `file.py:name`.
 
     Raises `OwnCodeError` if the user's function is missing or not callable.
     """
@@ -108,7 +108,7 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
     """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is not a finite number for each level."""
     try:
         found = np.asarray(own(records.copy(), best.copy()))
-    except Exception as error:  # whatever the user's code raises
+    except Exception as error:  # user code can raise any error
         raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
     if found.shape != best.shape or found.dtype.kind not in "biuf" or not np.isfinite(found).all():
         got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{found!r:.100}"
@@ -117,10 +117,10 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
 
 
 def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
-    """Try a user's score on random levels with made-up results, so that its errors are found before training.
+    """Test a user's score on random levels with synthetic results, so that errors are found before training.
 
-    The stream of levels is left as it was. Raises `OwnCodeError` as `find`, and if the score fails, has another shape
-    than the levels, or is not finite.
+    The stream of levels is unchanged. Raises `OwnCodeError` as `find`, and if the score fails, has another shape than
+    the levels, or is not finite.
     """
     if not is_name(rule):
         return
@@ -140,22 +140,22 @@ def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
 
 
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
-    """Return the fields that level records of one student need for a score, beside those that all have.
+    """Return the additional fields that level records of one student need for a score.
 
-    best: the highest return ever on the level. For mna also negative_advantage `[1, n]`, the sum over the steps of an
-    episode of its maximized negative advantages, which the trainer fills in; and ever_solved: whether an episode on the
-    level ever succeeded. Raises `OwnCodeError` as `find`.
+    best: the highest return ever on the level. The score mna needs two more fields. negative_advantage `[1, n]`: the
+    sum of the maximized negative advantages over the steps of an episode, which the trainer fills in. ever_solved:
+    whether an episode on the level ever succeeded. Raises `OwnCodeError` as `find`.
     """
-    find(rule)  # so that a missing one raises before training
+    find(rule)  # raises before training if the score is missing
     more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []
     return [("best", np.float64), *more]
 
 
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
-    """Return the score `[L]` of level records by a rule of `SCORES`, or one of the user; see `find`.
+    """Return the score `[L]` of level records by a rule of `SCORES` or by user code; see `find`.
 
-    `best` `[L]` are the highest returns on these levels so far; those of the records are included. Without levels no
-    score of the user is called: `max()` and the like would fail.
+    `best` `[L]` are the highest returns on these levels so far; the returns of the records are included. Without levels
+    the user's score is not called, since functions such as `max()` would fail.
     Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
     """
     if not len(records):
@@ -191,7 +191,7 @@ def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible:
 def population_regret(returns: np.ndarray, rule: str) -> np.ndarray:
     """Return the regret `[L]` of a population of S students, from their returns `[L, S, n]`.
 
-    The maximum (or mean) of the best student minus the mean over all students, none of which is the antagonist (Dennis
+    It is the maximum (or mean) of the best student minus the mean over all students; there is no antagonist (Dennis
     et al. 2020, appendix, "population PAIRED").
     """
     best = (np.nanmax(returns, 2) if rule == "max_mean" else np.nanmean(returns, 2)).max(1)

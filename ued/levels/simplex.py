@@ -18,29 +18,29 @@ import numpy as np
 from ued.config import NCCConfig
 from ued.core.resumable import Resumable
 
-DECAY, SQUARE_DECAY = 0.9, 0.999  # of the moments
-POWER = 0.4  # of the second moment: the maximizing player's in TiAda
+DECAY, SQUARE_DECAY = 0.9, 0.999  # decays of the moments
+POWER = 0.4  # exponent of the second moment, as for the maximizing player in TiAda
 STEP_EPSILON, LOG_EPSILON = 1e-5, 1e-6
 ROUNDING = 1e-9
 
 
 def project_to_simplex(point: np.ndarray, least: float) -> np.ndarray:
-    """Return the point `[K]` nearest to a point `[K]` whose numbers are at least `least` and add up to 1.
+    """Return the nearest point `[K]` to `point` `[K]` whose entries are at least `least` and add up to 1.
 
-    It is max(point + shift, least), where the largest numbers determine the shift (Held et al. 1974).
-    Raises `ValueError` if K numbers of at least `least` add up to more than 1.
+    It is max(point + shift, least), where the largest entries determine the shift (Held et al. 1974).
+    Raises `ValueError` if K entries of at least `least` add up to more than 1.
     """
     free = 1 - least * len(point)  # the rest to distribute
     if free < -ROUNDING:
         raise ValueError(f"{len(point)} numbers of at least {least} add up to more than 1")
     falling = np.sort(point - least)[::-1]
     shifts = (max(free, 0.0) - np.cumsum(falling)) / np.arange(1, len(point) + 1)
-    above = max(1, int(np.count_nonzero(falling + shifts > 0)))  # numbers above the least one
+    above = max(1, int(np.count_nonzero(falling + shifts > 0)))  # number of entries above `least`
     return np.asarray(np.maximum(point - least + shifts[above - 1], 0.0) + least)
 
 
 class SimplexAscent(Resumable):
-    """A distribution y over K levels, which ascends E_y[score] + alpha H(y).
+    """A distribution y over K levels that maximizes E_y[score] + alpha H(y) by gradient ascent.
 
     Args:
         config: step size, alpha, and the uniform share of the probability.
@@ -55,7 +55,7 @@ class SimplexAscent(Resumable):
         self.steps = 0
 
     def add(self) -> None:
-        """Add a level: it gets the mean probability and the mean moments of the others."""
+        """Add a level with the mean probability and the mean moments of the others."""
         count = len(self.y) + 1
         self.y = np.append(self.y * (1 - 1 / count), 1 / count)
         for name in ("mean", "square"):
@@ -68,7 +68,7 @@ class SimplexAscent(Resumable):
         return score - self.config.ent_coef * (np.log(y + LOG_EPSILON) + y / (y + LOG_EPSILON))
 
     def step(self, score: np.ndarray) -> None:
-        """Ascend once, given the scores `[K]` of all levels."""
+        """Take one ascent step, given the scores `[K]` of all levels."""
         gradient = self.gradient(score)
         self.steps += 1
         self.mean = DECAY * self.mean + (1 - DECAY) * gradient

@@ -1,6 +1,6 @@
 """Read the table of a run's levels: levels.csv, or levels.parquet, a folder of Parquet files.
 
-All code of the repository reads tables by this module, so it supports both forms, and tables of older runs. Read next:
+All code of the repository reads tables with this module, which supports both forms and tables of older runs. Read next:
 `levels.batch`, the columns; `core.columns`, which reads files.
 """
 
@@ -22,7 +22,7 @@ OF_IMPLIED = ("id", "parent")  # columns that `with_implied` needs: the number o
 
 
 def table_of(run: str | Path) -> Path:
-    """Return the table of a run folder, levels.csv if it has none yet; another path is a table and is returned."""
+    """Return the path of the table in a run folder, levels.csv if there is none yet; other paths are returned as is."""
     path = Path(run)
     if path.name in (CSV, PARQUET) or not path.is_dir():
         return path
@@ -46,7 +46,8 @@ def read_levels(run: str | Path, *names: str, rows: np.ndarray | None = None) ->
         run: the folder of a run, or the path of its levels.csv or levels.parquet.
         names: the columns to read; `"theta/"` selects all that begin with it. None: all. Columns that the table does
             not have are missing in the result.
-        rows: indices of the rows to return `[R]`, ascending; None: all. Of levels.parquet no others are kept in memory.
+        rows: indices of the rows to return `[R]`, ascending; None: all. Other rows of levels.parquet are not kept in
+            memory.
 
     Numbers are float64, nan where not available; `source` and `program` are strings.
 
@@ -78,7 +79,7 @@ def read_levels(run: str | Path, *names: str, rows: np.ndarray | None = None) ->
 def with_implied(columns: Columns) -> Columns:
     """Return the columns of a table, including those that it omits.
 
-    A table with `parent` but without `visit` is of an older version, which does not number visits.
+    A table with `parent` but without `visit` was written by an older version, which does not number visits.
     """
     if "id" not in columns:
         return columns
@@ -102,7 +103,7 @@ def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray
     Args:
         run: the folder of a run, or the path of its levels.csv or levels.parquet.
         id: the number of the level.
-        visit: the number of a visit of it; None: any, since all visits have the same level.
+        visit: the number of a visit of the level; None: any visit, since all have the same level.
 
     In a mixture of programs, θ determines the program.
 
@@ -115,7 +116,7 @@ def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray
 
 
 def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.ndarray, int]:
-    """Return a level, see `read_level`, and the number of the visit; for None the first one in the table."""
+    """Return a level, see `read_level`, and the number of the visit; None: the first visit in the table."""
     path = table_of(run)
     columns = read_levels(path, "id", "visit", "seed", "theta/")
     for name in ("id", "visit", "seed"):

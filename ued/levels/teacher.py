@@ -1,4 +1,4 @@
-"""A learned teacher: an adversary that proposes levels, with a share of random ones, and learns from their scores.
+"""A learned teacher: an adversary that proposes levels, with a share of random levels, and learns from their scores.
 
 PAIRED, minimax and self-regret differ only in the score. Read next: `levels.adversary`, the policy; `methods.minimax`,
 the shortest use.
@@ -28,12 +28,12 @@ class Teacher(Resumable):
 
     Args:
         space: the space of levels.
-        config: of the adversary; share of random levels; penalty for invalid proposals.
+        config: settings of the adversary, share of random levels, penalty for invalid proposals.
         students, episodes: S and n of the level records.
-        seed: of its random streams.
-        budget: of the run, which determines when it learns; see `AdversaryConfig.min_batch`.
+        seed: seed of its random streams.
+        budget: budget of the run, which determines when it learns; see `AdversaryConfig.min_batch`.
 
-    Raises `ValueError` if the environment has no free parameters, or an adversary cannot choose its levels.
+    Raises `ValueError` if the environment has no free parameters, or if an adversary cannot choose its levels.
     """
 
     state_fields: tuple[str, ...] = ("adversary", "pending_proposals", "mix", "learned_at")
@@ -55,8 +55,8 @@ class Teacher(Resumable):
         self.mix = np.random.default_rng(seeds.next())
         own = self.adversary.record_fields
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), students, episodes, own)
-        self.pending_proposals = np.zeros(0, self.dtype)  # scored, but too few for an update
-        self.learned_at = 0  # env_steps
+        self.pending_proposals = np.zeros(0, self.dtype)  # scored proposals, too few for an update
+        self.learned_at = 0  # env_steps at the last update
 
     def propose(self, count: int) -> np.ndarray:
         """Return `count` level records: proposals of the adversary, and a share of random levels."""
@@ -75,7 +75,7 @@ class Teacher(Resumable):
         return records
 
     def _view(self) -> UPOMDP | None:
-        """Return separate environments whose observations are the adversary's context, if it has this context."""
+        """Return separate environments whose observations are the adversary's context; None for a random context."""
         if self.config.adversary.context == "random":
             return None
         if not isinstance(self.space, UPOMDP):
@@ -96,9 +96,9 @@ class Teacher(Resumable):
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Set the score `[L]` of these levels `[L]`; update the adversary on its own proposals among them.
 
-        The adversary waits until it has enough proposals, and does not learn from levels without a finite score, such
-        as those of which only a part was played. Returns `choice_metrics`, the number of gradient steps, and the means
-        of the losses, which are missing while it waits. Raises `ValueError` if no level has a finite score.
+        The adversary waits until it has enough proposals. It does not learn from levels without a finite score, such as
+        partly played levels. Returns `choice_metrics`, the number of gradient steps, and the means of the losses, which
+        are missing while the adversary waits. Raises `ValueError` if no level has a finite score.
         """
         if len(levels) and not np.isfinite(score).any():
             raise ValueError("no level has a finite score: every student must finish an episode on it")
@@ -106,7 +106,7 @@ class Teacher(Resumable):
         metrics = choice_metrics(levels, self.space.parameters)
         proposals = as_void_view(levels)[(levels["origin"] == Origin.PROPOSED) & np.isfinite(score)].view(levels.dtype)
         if self.config.invalid_penalty:
-            refused = levels[levels["origin"] == Origin.REPLACED]  # their θ is that of the replacement
+            refused = levels[levels["origin"] == Origin.REPLACED]  # their θ is that of the random replacement
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
         self.pending_proposals = np.concatenate([as_void_view(self.pending_proposals), as_void_view(proposals)]).view(
@@ -125,5 +125,5 @@ class Teacher(Resumable):
         return self.budget.allows_lesson(waiting, self.learned_at) if least is None else waiting >= least
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack `learned_at`."""
+        """Restore a state returned by `state_dict`; older states lack `learned_at`."""
         super().load_state_dict({"learned_at": 0} | state)

@@ -6,9 +6,9 @@
 
 A choice is a column with a few values: `Uniform`, `Discrete`, an integer, the program of a mixture. Its categorical
 distribution is initialized with the program's weights, so the position of an option in the list does not matter. A
-real number has COMPONENTS bumps, logistic distributions truncated to [-1, 1], initially nearly uniform in sum; the
-shares can move mass to a distant bump directly, and the distribution can stay multimodal. A_j and the output weights
-for shares, means and scales are initialized with 0.
+real number has COMPONENTS bumps: logistic distributions truncated to [-1, 1], whose sum is initially nearly uniform.
+The shares can move mass to a distant bump directly, and the distribution can stay multimodal. A_j and the output
+weights for shares, means and scales are initialized with 0.
 
 Log-densities are relative to the program's: log pi(θ) / pi_0(θ), where pi_0 is domain randomization, uniform in θ. So
 they are initially 0, and their negative mean is -KL(pi, pi_0) ≤ 0 for every kind of column.
@@ -36,7 +36,7 @@ FIRST_SCALE = 0.2
 COMPONENTS = len(FIRST_MEANS)
 MOST_MEAN = 1.05  # limit of the absolute value of a mean
 LOG_SCALE_RANGE = (math.log(0.01), math.log(3.0))  # from 2% of [-1, 1] to all of it
-WIDE = 64  # values, above which choices are padded to a common number apart from the others
+WIDE = 64  # choices with more values are padded separately
 SMALL = 1e-9  # minimum density, to keep its logarithm finite
 
 
@@ -52,7 +52,7 @@ class Group(NamedTuple):
     """Choices that are padded to the same number of values.
 
     Attributes:
-        at: `[n]` their places among all choices.
+        at: `[n]` indices among all choices.
         log_weights: `[n, most values]` of the program.
         logits: `[n, most values, H]` A.
         seen: `[n, most values, H]` contribution of a choice to later h.
@@ -65,7 +65,7 @@ class Group(NamedTuple):
 
 
 def _within(raw: Tensor, group: Group) -> Tensor:
-    """Return the indices of values; those of rows whose program has another column here are clamped, and not used."""
+    """Return the indices of values; in rows of other programs they are clamped and not used."""
     return raw.long().clamp(0, group.seen.shape[1] - 1)
 
 
@@ -82,8 +82,8 @@ def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Par
 class ThetaDistribution(nn.Module):
     """z `[B, Z]` -> a distribution over θ for each row, and the expected score.
 
-    A sample `raw` `[B, D]` holds θ itself for real columns and the index of the value for choices; 0 for columns that
-    the chosen program of a mixture does not have.
+    A sample `raw` `[B, D]` holds θ itself for real columns and the index of the value for choices. It is 0 in columns
+    that the chosen program of a mixture does not have.
 
     Args:
         draws, program_parameters: the columns of θ, see `layout`.
@@ -167,14 +167,14 @@ class ThetaDistribution(nn.Module):
         return self.second(torch.tanh(self.first(z)))  # [B, H], before its tanh
 
     def _groups(self) -> list[Group]:
-        """Return the choices; those with many values are a separate group."""
+        """Return the groups of choices; choices with many values are a separate group."""
         groups = [Group(self.narrow, self.log_weights, self.logits, self.seen)] if len(self.narrow) else []
         if len(self.wide):
             groups.append(Group(self.wide, self.wide_log_weights, self.wide_logits, self.wide_seen))
         return groups
 
     def _each_choice(self, h: Tensor, raw: Tensor) -> Iterator[Tensor]:
-        """Yield the logits `[B, most values]` of each choice; the caller writes the choice into `raw` in between."""
+        """Yield the logits `[B, most values]` of each choice; after each, the caller writes the choice into `raw`."""
         groups = self._groups()
         for j, (column, program, _) in enumerate(self.choices):
             g, i = self.place[j]

@@ -1,8 +1,8 @@
 """Unimodal distributions over θ: the tanh Gaussian of the thesis (section 4.3), and the Beta policy of CLUTR.
 
 Both treat every column as a real number, including choices. An option is then an interval of θ, and its position in
-the program's list affects how easy it is to reach: easy at an end, by moving the mean, but hard in the middle. They
-serve as a baseline for `levels.theta_distribution`. Read next: `levels.adversary`.
+the program's list matters. Options at an end are easy to reach by moving the mean; options in the middle are hard to
+reach. These distributions are a baseline for `levels.theta_distribution`. Read next: `levels.adversary`.
 """
 
 from __future__ import annotations

@@ -22,9 +22,9 @@ class MethodRow:
         name: `regista train --method NAME`, and the prefix of its settings: `--name.setting`.
         module: the file that holds it.
         class_name: the class in it, made with (upomdp, ppo, settings, seed).
-        settings: creates its default settings.
+        settings: function that creates its default settings.
         title, color: name and color in all figures.
-        paper: its source, or – without one.
+        paper: its source, or – without a source.
         help: one line on how it chooses levels.
         steps: simulated steps per step that the student learns from, with the default settings.
         settings_of: the method whose settings it shares, if any.
@@ -52,7 +52,7 @@ class MethodRow:
 
 
 # fmt: off
-METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says what holds of the colors
+METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py checks the colors
     MethodRow(
         "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomization", "#5a69a5", "Tobin et al. 2017",
         "a random level for every episode", "1",

@@ -6,8 +6,8 @@
               edit a copy of it; evaluate the copy; offer it to the buffer
 
 An edit changes a few columns of θ, depending on their kind, and keeps the seed: a child differs from its parent only by
-the edit. (For `Seeds`, the column is the seed.) A level at the limit of the student's abilities has neighbors of
-similar difficulty, so curricula become harder by small steps. Read next: `methods.paired`.
+the edit. (For `Seeds`, the column is the seed.) Neighbors of a level at the limit of the student's abilities have
+similar difficulty, so curricula become harder in small steps. Read next: `methods.paired`.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ued.levels.record import Origin, make_records, mean_returns
 from ued.methods.method import Method
 from ued.methods.plr import PLRCurriculum
 
-TRIES = 8  # to edit a level into a valid one
+TRIES = 8  # attempts to edit a level into a valid one
 
 
 class ACCEL(Method):
     """Trains one student on replayed levels, which evolve; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters, or no simplest levels to begin with.
+        ValueError: if the environment has no free parameters, or no simplest levels to begin with.
     """
 
     curriculum: ACCELCurriculum
@@ -43,10 +43,10 @@ class ACCEL(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
+        """Play new, replayed and edited levels; score and store them; edit replayed levels; learn from these."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
-        metrics |= self.learner.learn(self.env_steps)  # the others are not training levels
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed levels
+        metrics |= self.learner.learn(self.env_steps)  # only replayed levels are training levels
         return self.report(levels, metrics)
 
     @property
@@ -55,19 +55,19 @@ class ACCEL(Method):
 
 
 class ACCELCurriculum(PLRCurriculum):
-    """Replays levels and evaluates edited copies of them. A `Curriculum`."""
+    """A `Curriculum` that replays levels and evaluates edited copies of them."""
 
     config: ACCELConfig
     state_fields = (*PLRCurriculum.state_fields, "children")
 
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)
-        self.children = np.zeros(0, self.dtype)  # not yet evaluated
+        self.children = np.zeros(0, self.dtype)  # edited levels that are not yet evaluated
         if config.new_levels == "simplest":
             space.simplest_levels(0)  # raises if there are none
 
     def propose(self, count: int) -> np.ndarray:
-        """Return children of replayed levels first, then as PLR."""
+        """Return children of replayed levels first, then levels as PLR does."""
         children, self.children = self.children[:count], self.children[count:]
         return np.concatenate([children, super().propose(count - len(children))])
 
@@ -79,7 +79,7 @@ class ACCELCurriculum(PLRCurriculum):
         return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels and store them as PLR; edit copies of those that were replayed."""
+        """Score and store the levels as PLR does; edit copies of the replayed levels."""
         metrics = super().update(records)
         children = self._edited(self._parents(records))
         self.children = np.concatenate([self.children, children])  # they are proposed next
@@ -93,7 +93,7 @@ class ACCELCurriculum(PLRCurriculum):
         return parents
 
     def _edited(self, parents: np.ndarray) -> np.ndarray:
-        """Return a child of each of these level records, except of those without a valid edit."""
+        """Return a child of each level record, except of levels without a valid edit."""
         children = make_records(self.dtype, parents["level"], Origin.EDITED)
         children["parent"], children["train"] = parents["id"], False
         open_ = np.arange(len(children))

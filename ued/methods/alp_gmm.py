@@ -6,8 +6,8 @@
         play an episode; absolute learning progress ALP(θ) = |return - return of the nearest previous θ|
         every 250 episodes: fit Gaussian mixtures to the last 250 (θ, ALP), keep the best by Akaike's criterion
 
-In a fit, ALP is divided by half the range of these returns, so that it has the scale of θ: the authors scale returns by
-bounds that the user gives. The nearest θ is that of the last 10,000 episodes. An invalid θ is drawn again.
+In a fit, ALP is divided by half the range of these returns, so that it has the scale of θ. (The authors scale returns
+by user-specified bounds.) The nearest θ is searched in the last 10,000 episodes. An invalid θ is drawn again.
 Read next: `levels.gaussian_mixture`, then `methods.paired`.
 """
 
@@ -26,7 +26,7 @@ from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.methods.method import Method
 
-TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
+TRIES = 32  # attempts to draw a valid θ from a Gaussian before a uniform draw
 REMEMBERED = 10_000  # previous episodes in the search for the nearest θ
 BLOCK = 8  # episodes whose distances are computed together, so that they fit into the cache
 LATER = np.triu(np.ones((BLOCK, BLOCK), bool))  # [BLOCK, BLOCK] whether an episode is no earlier than another
@@ -36,7 +36,7 @@ class ALPGMM(Method):
     """Trains one student on levels of high learning progress; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     curriculum: ALPGMMCurriculum
@@ -47,7 +47,7 @@ class ALPGMM(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the mixture and random ones; compute their progress; refit the mixture if due; learn."""
+        """Play levels of the mixture and random levels; compute progress; refit the mixture if due; learn."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # progress of each episode; refit the mixture if due
         metrics |= self.learner.learn(self.env_steps)
@@ -55,15 +55,15 @@ class ALPGMM(Method):
 
 
 class ALPGMMCurriculum(Resumable):
-    """Proposes levels of high learning progress. A `Curriculum`.
+    """A `Curriculum` that proposes levels of high learning progress.
 
     Args:
         space: the space of levels.
         config: interval between fits, and share of random levels.
-        seed: for all draws.
+        seed: seed of all draws.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")
@@ -75,9 +75,9 @@ class ALPGMMCurriculum(Resumable):
         self.dtype = level_record_dtype(level_dtype(space.theta_dim))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
-        self.theta = np.zeros((0, space.theta_dim))  # of the episodes so far, in their order
+        self.theta = np.zeros((0, space.theta_dim))  # θ of the episodes so far, in their order
         self.returns = np.zeros(0)
-        self.progress = np.zeros(0)  # ALP of each
+        self.progress = np.zeros(0)  # ALP of each episode
         self.unfitted = 0  # episodes since the last fit
         self.mixture: dict[str, np.ndarray] | None = None  # weights, means and covariances
 
@@ -128,7 +128,7 @@ class ALPGMMCurriculum(Resumable):
         self.unfitted = 0
 
     def _from_mixture(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Draw θ `[count, D]` within the box; return it and which rows are valid: bool `[count]`."""
+        """Draw θ `[count, D]` within the box; return it with the mask of valid rows, bool `[count]`."""
         assert self.mixture is not None
         theta, valid = np.zeros((count, self.space.theta_dim)), np.zeros(count, bool)
         mixture = GaussianMixture(**self.mixture)
@@ -142,7 +142,7 @@ class ALPGMMCurriculum(Resumable):
 
 
 def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
-    """Return for each episode from `first` on the previous one with the nearest θ `[n, D]`: int `[n - first]`.
+    """Return for each episode from `first` on the previous episode with the nearest θ `[n, D]`: int `[n - first]`.
 
     Only the last REMEMBERED episodes count; the very first episode is its own. float32 halves the time.
     """

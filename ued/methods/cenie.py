@@ -32,15 +32,15 @@ from ued.levels.queue import LevelQueue
 from ued.methods.accel import ACCELCurriculum
 from ued.methods.method import Method
 
-MOST_ENTRIES = 1024  # of an observation: a mixture over pixels does not describe states
+MOST_ENTRIES = 1024  # entries of an observation: a mixture over pixels does not describe states
 
 
 class CENIE(Method):
     """Trains one student on replayed levels, by regret and novelty; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
-            has nothing to edit.
+        ValueError: if an observation of an agent has more than 1,024 entries, as images do, and if ACCEL has nothing
+            to edit.
     """
 
     curriculum: CENIECurriculum
@@ -56,16 +56,16 @@ class CENIE(Method):
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
         coverage, actions = self.curriculum.coverage, self.upomdp.agent_action_space
-        negative = self.learner.values.negative  # of the score mna
+        negative = self.learner.values.negative  # needed by the score mna
         self.learner.values = EpisodeNovelty(
             self.upomdp.num_envs, coverage, actions, negative, scored_agents(self.upomdp)
         )
 
     def update(self) -> dict[str, float]:
-        """Play new, replayed and edited levels; score them by regret and novelty; learn from the replayed ones."""
+        """Play new, replayed and edited levels; score them by regret and novelty; learn from replayed levels."""
         levels = self.collect_rollouts()  # [L] with their novelty
-        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones; fit the mixture
-        metrics |= self.learner.learn(self.env_steps)  # the others are not training levels
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed levels; fit the mixture
+        metrics |= self.learner.learn(self.env_steps)  # only replayed levels are training levels
         return self.report(levels, metrics)
 
     @property
@@ -74,10 +74,10 @@ class CENIE(Method):
 
 
 class CENIECurriculum(ACCELCurriculum):
-    """Replays levels of high regret and novelty, and evaluates edited copies of them. A `Curriculum`.
+    """A `Curriculum` that replays levels of high regret and novelty, and evaluates edited copies of them.
 
-    Its level records have a field `novelty` `[1, n]`, which the trainer fills in: of each episode, the mean novelty of
-    its state-action pairs under `coverage`, as `EpisodeNovelty` computes it.
+    Its level records have a field `novelty` `[1, n]`, which the trainer fills in: the mean novelty of the state-action
+    pairs of each episode under `coverage`, as `EpisodeNovelty` computes it.
 
     Args:
         space, config, seed, budget: see `PLRCurriculum`.
@@ -98,7 +98,7 @@ class CENIECurriculum(ACCELCurriculum):
         return [*super()._fields(), ("novelty", np.float64, (1, self.config.episodes_per_level))]
 
     def propose(self, count: int) -> np.ndarray:
-        """Return level records as ACCEL, without a novelty."""
+        """Return level records as ACCEL does, without a novelty."""
         records = super().propose(count)
         records["novelty"] = np.nan
         return records
@@ -107,7 +107,7 @@ class CENIECurriculum(ACCELCurriculum):
         return records[:0] if self.config.base == "plr" else super()._parents(records)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score levels and store them as ACCEL, with their novelty; fit the mixture if it is due.
+        """Score and store levels as ACCEL does, with their novelty; fit the mixture if it is due.
 
         Raises:
             ValueError: if the trainer has not filled in the novelty.

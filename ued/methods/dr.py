@@ -4,8 +4,8 @@
         draw levels uniformly
         the student plays them and learns
 
-The baseline of every comparison. The strong form draws a new level for every episode. The weak form, which parts of the
-literature use, keeps a level for a rollout. Read next: `methods.plr`.
+This is the baseline of every comparison. The strong form draws a new level for every episode. The weak form, which
+parts of the literature use, keeps a level for a rollout. Read next: `methods.plr`.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ class DR(Method):
     def update(self) -> dict[str, float]:
         """Play levels drawn uniformly, and learn from all of them."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # nothing: random levels have no score
+        metrics = self.curriculum.update(levels)  # does nothing: random levels have no score
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
 class RandomCurriculum(Resumable):
-    """Proposes uniform levels and learns nothing. A `Curriculum`."""
+    """A `Curriculum` that proposes uniform levels and learns nothing."""
 
     def __init__(self, space: LevelSpace) -> None:
         self.space = space

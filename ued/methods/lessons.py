@@ -1,4 +1,4 @@
-"""Lessons: a manual curriculum (Bengio et al. 2009; Elman 1993), levels of regions in the order of a plan.
+"""Lessons: a manual curriculum (Bengio et al. 2009; Elman 1993) with regions of levels in the order of a plan.
 
     for each lesson of the plan
         repeat
@@ -6,8 +6,8 @@
             the student plays them and learns
         until the criterion of the lesson holds: mean success or return of its last episodes, or its length
 
-With more than one of `increments`, the ends of the region move to those of the next lesson in as many parts, one each
-time that the criterion holds. So a threshold widens a range gradually. A length of k steps is divided among the parts,
+With `increments` above 1, the ends of the region move to those of the next lesson in that many parts, one part each
+time the criterion holds. So a threshold widens a range gradually. A length of k steps is divided among the parts,
 which makes a linear schedule. Read next: `lesson_config`, the syntax of lessons; `levels.regions`.
 """
 
@@ -42,7 +42,7 @@ class Lessons(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the lesson; move on if its criterion holds; learn from all."""
+        """Play levels of the lesson; move on if its criterion holds; learn from all levels."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)
         metrics |= self.learner.learn(self.env_steps)
@@ -50,19 +50,19 @@ class Lessons(Method):
 
 
 class LessonCurriculum(Resumable):
-    """Proposes levels of the present lesson. A `Curriculum`.
+    """A `Curriculum` that proposes levels of the current lesson.
 
     Its level records have a field `stage`, the number of the part in which they were proposed: results of earlier parts
-    do not count for a later one.
+    do not count for a later part.
 
     Args:
         space: the space of levels.
         config: the plan.
-        seed: of the draws.
-        budget: of the run, whose `spent` counts steps. Your own trainer sets it; criteria in episodes need none.
+        seed: seed of the draws.
+        budget: budget of the run, whose `spent` counts steps. Your own trainer sets it; criteria in episodes need none.
 
     Raises:
-        ValueError: lessons that do not fit the space, and for a share of a run of unknown length.
+        ValueError: lessons that do not fit the space, and a share of a run of unknown length.
     """
 
     state_fields = ("rng", "lesson", "part", "began", "episodes", "recent")
@@ -77,18 +77,18 @@ class LessonCurriculum(Resumable):
         self.regions = [region_of(space, lesson) for lesson in self.plan]
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), extra=[("stage", np.int64)])
         self.rng = np.random.default_rng(seed)
-        self.lesson = self.part = 0  # both from 0 on
+        self.lesson = self.part = 0  # both are counted from 0
         self.began = self.episodes = 0  # env_steps before this lesson, and its episodes so far
         self.recent = np.zeros((0, len(MEANS)))  # success and return of the last episodes of this part
 
     @property
     def stage(self) -> int:
-        """The number of the present part, over all lessons."""
+        """The number of the current part, over all lessons."""
         return self.lesson * self.config.increments + self.part
 
     @property
     def region(self) -> Region:
-        """The region from which levels are drawn now."""
+        """The region from which levels are currently drawn."""
         if not self.part:
             return self.regions[self.lesson]
         return self.regions[self.lesson].towards(self.regions[self.lesson + 1], self.part / self.config.increments)
@@ -97,7 +97,7 @@ class LessonCurriculum(Resumable):
         """Draw `count` levels uniformly from the region.
 
         Raises:
-            ThetaError: if it has no valid level.
+            ThetaError: if the region has no valid level.
         """
         where = f"the lesson {self.plan[self.lesson].text!r}"
         records = make_records(self.dtype, self.region.sample(self.space, count, self.rng, where), Origin.PROPOSED)
@@ -105,7 +105,7 @@ class LessonCurriculum(Resumable):
         return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Record the results of the present part; move on as long as a criterion holds."""
+        """Record the results of the current part; move on as long as a criterion holds."""
         now = records[records["stage"] == self.stage]
         results = np.column_stack([solved(now)[:, 0, 0], mean_returns(now)[:, 0]])  # [L, 2]
         self.recent = np.concatenate([self.recent, results])[-self.config.window :]
@@ -125,7 +125,7 @@ class LessonCurriculum(Resumable):
         return spent >= criterion.least * total * (self.part + 1) / self.config.increments
 
     def _move_on(self) -> None:
-        """Start the next part, or after the last one the next lesson."""
+        """Start the next part, or after the last part the next lesson."""
         self.recent, self.part = self.recent[:0], self.part + 1
         if self.part == self.config.increments:
             self.lesson, self.part, self.began, self.episodes = self.lesson + 1, 0, self.budget.spent, 0

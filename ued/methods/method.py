@@ -44,7 +44,7 @@ class Method:
         upomdp: the environments, for this method only; they are reset.
         ppo: settings of every student.
         config: settings of the method, a dataclass of `ued.config`; None: the defaults.
-        seed: of every random stream.
+        seed: seed of all random streams.
         env_steps: length of the run; replay and teachers start earlier in a short run. None: unknown; see
             `levels.budget`.
 
@@ -54,7 +54,7 @@ class Method:
     Attributes:
         curriculum: chooses the levels.
         queue: passes its levels to the learners.
-        learners: in the order of the students in level records.
+        learners: learners in the order of the students in level records.
         updates: training iterations so far.
         last: the levels of the last update.
         budget: length of the run, and the steps so far.
@@ -84,7 +84,7 @@ class Method:
     def _check(self, upomdp: Any, ppo: Any, config: Any) -> None:
         """Raise `ValueError` for arguments of the wrong type, such as the settings of another method.
 
-        The settings of a method are those of its `setup`, or a subclass by a user.
+        The type of a method's settings is that of the argument of `setup`, or a subclass by a user.
         """
         name = type(self).__name__
         if not isinstance(upomdp, UPOMDP):
@@ -92,7 +92,7 @@ class Method:
         if ppo is not None and not isinstance(ppo, PPOConfig):
             raise ValueError(f"{name}(upomdp, ppo, config): ppo must be a PPOConfig, got {ppo!r:.60}")
         own: Any = None
-        with suppress(NameError):  # of a user's setup, whose annotations exist only for a type checker
+        with suppress(NameError):  # a user's setup may have annotations that exist only for a type checker
             own = next(iter(typing.get_args(typing.get_type_hints(type(self).setup).get("config"))), None)
         if config is None or not hasattr(own, "__dataclass_fields__"):
             return
@@ -143,7 +143,7 @@ class Method:
         self._played = perf_counter()
 
     def report(self, levels: np.ndarray, metrics: dict[str, float]) -> dict[str, float]:
-        """End an update on these levels `[L]`; return its metrics and those that all methods have."""
+        """End an update on these levels `[L]`; return its metrics with those of all methods."""
         by_learner = [learner.pop_seconds() for learner in self.learners]
         seconds = {f"time/{name}": sum(spent[name] for spent in by_learner) for name in by_learner[0]}
         seconds["time/curriculum"] = perf_counter() - self._played - seconds["time/learn"]
@@ -164,7 +164,7 @@ class Method:
 
     @property
     def student(self) -> Student:
-        """The student to evaluate: the first one (PAIRED: the protagonist)."""
+        """The student to evaluate: the first student (PAIRED: the protagonist)."""
         return next(iter(self.students.values()))
 
     @property
@@ -174,7 +174,7 @@ class Method:
 
     @property
     def buffer(self) -> LevelBuffer | None:
-        """The buffer of levels to replay; None for a method without one."""
+        """The buffer of levels to replay; None for a method without a buffer."""
         return None
 
     @property
@@ -183,7 +183,7 @@ class Method:
         return sum(learner.worker.env_steps for learner in self.learners)
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return the whole state, from which a method made with the same arguments resumes to the same numbers.
+        """Return the whole state; a method with the same arguments resumes from it with identical results.
 
         `episodes=False` leaves out the state of the environments, which no checkpoint can hold for a `GymUPOMDP`; open
         episodes are then restarted.
@@ -196,10 +196,10 @@ class Method:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned.
+        """Restore a state returned by `state_dict`.
 
         Raises:
-            ValueError: another number of agents.
+            ValueError: a state with another number of agents.
         """
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.load_state_dict(saved)
@@ -213,11 +213,11 @@ class Method:
             learner.start_from(student, kl_coef, kl_env_steps)
 
     def load_students(self, state: dict[str, Any]) -> None:
-        """Restore only the students of a state, to play them; the environments may differ.
+        """Restore only the students of a state, to evaluate them; the environments may differ.
 
         Raises:
             ValueError: students of another number of agents.
-            RuntimeError: other observations or actions.
+            RuntimeError: students for other observations or actions.
         """
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.check_agents(saved)

@@ -4,7 +4,7 @@
         the adversary proposes levels; the student plays them and learns
         the adversary learns to lower the student's mean return
 
-It converges to unsolvable levels; it is a baseline. Read next: `methods.self_regret`.
+It converges to unsolvable levels and serves as a baseline. Read next: `methods.self_regret`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Minimax(Method):
     """Trains one student against an adversary; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     def setup(self, config: MinimaxConfig | None, seed: int) -> None:
@@ -35,18 +35,18 @@ class Minimax(Method):
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; let the adversary and the student learn."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # the adversary, from the student's loss
+        metrics = self.curriculum.update(levels)  # the adversary learns from the student's loss
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
 class MinimaxCurriculum(Teacher):
-    """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
+    """A `Curriculum` that proposes levels on which the student fails; see `Teacher` for the arguments."""
 
     def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, 1, config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Reward the adversary with the student's loss."""
-        loss = -mean_returns(records)[:, 0]  # [L] the mean over episodes, as in the paper
+        loss = -mean_returns(records)[:, 0]  # [L], the mean over episodes, as in the paper
         return self.learn(records, loss)

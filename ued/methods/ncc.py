@@ -1,9 +1,9 @@
-"""NCC (Monette et al. 2025): gradient ascent learns a distribution y over a buffer of levels, on a budget.
+"""NCC (Monette et al. 2025): gradient ascent learns a distribution y over a buffer of levels, on a step budget.
 
     fill a buffer with random levels; y is uniform
     repeat
         the student plays levels drawn from y, and learns
-        score the levels of the buffer; random levels with higher scores replace those with the lowest
+        score the levels of the buffer; random levels with higher scores replace levels with the lowest scores
         ascend E_y[score] + alpha H(y) by TiAda's step; project y to the truncated simplex    (`levels.simplex`)
 
 The paper scores all 4,000 levels before every step of y, which costs 84 simulated steps for each step of training. In
@@ -11,10 +11,10 @@ this implementation, a level keeps its score until it is played again. Levels dr
 that the student learns from. A share of further levels is only evaluated: random candidates, and the levels of the
 buffer with the oldest scores. All steps count.
 
-Other differences: the student learns from the first levels while they fill the buffer; PPO uses Adam, the paper TiAda;
-a level is drawn from the y of the last update; step size and smallest probability are relative to the size of the
-buffer. A level that enters the buffer has the y of the level that it replaces, as in the authors' code. Read next:
-`levels.simplex`, then `methods.alp_gmm`.
+There are four other differences. The student learns from the first levels while they fill the buffer. PPO uses Adam
+instead of TiAda. A level is drawn from the y of the last update. Step size and smallest probability are relative to the
+size of the buffer. A level that enters the buffer has the y of the level that it replaces, as in the authors' code.
+Read next: `levels.simplex`, then `methods.alp_gmm`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class NCC(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels drawn from y, candidates, and stale levels; score all; ascend; learn from those drawn from y."""
+        """Play levels from y, candidates and stale levels; score all; ascend; learn from the levels from y."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)
         metrics |= self.learner.learn(self.env_steps)
@@ -59,13 +59,13 @@ class NCC(Method):
 
 
 class NCCCurriculum(Resumable):
-    """Proposes levels from a learned distribution over a buffer. A `Curriculum`.
+    """A `Curriculum` that proposes levels from a learned distribution over a buffer.
 
     Args:
         space: the space of levels.
         config: capacity, score, shares of evaluated levels, and the ascent.
-        seed: for the choice of levels.
-        budget: of the run, which determines when the buffer is ready; see `NCCConfig.min_fill`.
+        seed: seed of the choice of levels.
+        budget: budget of the run, which determines when the buffer is ready; see `NCCConfig.min_fill`.
     """
 
     state_fields = ("buffer", "pool", "rng")
@@ -94,7 +94,7 @@ class NCCCurriculum(Resumable):
         return make_records(self.dtype, self.pool.take(count), Origin.RANDOM)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels, see `levels.scores`; replace those with the lowest scores; ascend once."""
+        """Score the levels, see `levels.scores`; replace the levels with the lowest scores; take one ascent step."""
         self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
         metrics = self.buffer.store(records)
@@ -116,7 +116,7 @@ class LearnedBuffer(LevelBuffer):
         return self.ascent.y
 
     def ascend(self) -> dict[str, float]:
-        """Ascend once; return the expected score, and the number of equally likely levels of the same entropy."""
+        """Take one ascent step; return the expected score and exp(entropy), the effective number of levels."""
         score = self.slots["score"]
         self.ascent.step(score)
         return {"ncc/score": float(self.ascent.y @ score), "ncc/levels": float(np.exp(self.ascent.entropy))}
@@ -124,7 +124,7 @@ class LearnedBuffer(LevelBuffer):
     def stalest(self, dtype: np.dtype, count: int) -> np.ndarray:
         """Return `count` records of the least recently played levels, which then count as played now.
 
-        A buffer of fewer levels repeats them.
+        A buffer with fewer than `count` levels repeats them.
         """
         rows = np.resize(smallest(self.slots["last_played"], count), count)
         self.touch(rows)
@@ -141,10 +141,10 @@ class LearnedBuffer(LevelBuffer):
         return kept
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned.
+        """Restore a state returned by `state_dict`.
 
         Raises:
-            ValueError: if y is of another number of levels.
+            ValueError: if y has another number of levels.
         """
         super().load_state_dict(state)
         for name in ("y", "mean", "square"):

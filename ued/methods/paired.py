@@ -6,9 +6,9 @@
         regret of a level = return of the antagonist - return of the protagonist
         the adversary learns to maximize regret; both students learn from the rewards of the environment
 
-An unsolvable level has no regret, and neither has a level that both students solve; regret is high at the limit of the
-protagonist's abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the
-other's return is a constant. The literal algorithm is `methods.paired_literal`.
+Regret is 0 on unsolvable levels and on levels that both students solve; it is high at the limit of the protagonist's
+abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the other's return is
+a constant. The literal algorithm is `methods.paired_literal`.
 Read next: `levels.teacher` and `levels.adversary`; `method`, for `collect_rollouts`; `methods.repaired`.
 """
 
@@ -33,13 +33,14 @@ from ued.methods.method import Method
 class Paired(Method):
     """Trains a protagonist and an antagonist on the levels of an adversary; see `Method` for the arguments.
 
-    By default regret is a population's (appendix of the paper): the best episode of any student minus the mean of all.
+    By default regret is that of a population (appendix of the paper): the best episode of any student minus the mean of
+    all.
     The regret of Algorithm 1, the best episode of the antagonist minus the mean of the protagonist, is
     `roles="dennis2020"`; docs/methods.md compares the roles. The antagonist plays in a copy of the environments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
-        NotImplementedError: a scripted antagonist where the environment has none.
+        ValueError: if the environment has no free parameters.
+        NotImplementedError: a scripted antagonist, if the environment has no scripted policy.
     """
 
     def setup(self, config: PairedConfig | None, seed: int) -> None:
@@ -49,9 +50,9 @@ class Paired(Method):
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels with all students; let the adversary learn from regret, and the students."""
-        levels = self.collect_rollouts()  # [L] finished by the protagonist and by the antagonist
-        metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
+        """Play the adversary's levels with all students; let the adversary learn from regret, then the students."""
+        levels = self.collect_rollouts()  # [L], finished by both protagonist and antagonist
+        metrics = self.curriculum.update(levels)  # the adversary learns from the regret of each level
         metrics |= regret_split(levels, has_antagonist(self.config))
         for learner in self.learners:
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
@@ -78,12 +79,12 @@ def paired_regret(levels: np.ndarray, config: PairedConfig) -> np.ndarray:
 
 
 def has_antagonist(config: PairedConfig) -> bool:
-    """Return whether the second student always is the antagonist, as a scripted one is."""
+    """Return whether the second student is always the antagonist, as a scripted antagonist is."""
     return config.roles == "dennis2020" or config.antagonist == "scripted"
 
 
 class PairedCurriculum(Teacher):
-    """Proposes levels of high regret. A `Curriculum` for two or more students; see `Teacher` for the arguments."""
+    """A `Curriculum` of levels of high regret for two or more students; see `Teacher` for the arguments."""
 
     config: PairedConfig
 
@@ -119,7 +120,7 @@ def add_students(method: Method, config: PairedConfig) -> None:
 def kl_target(
     config: PairedConfig, learners: Sequence[Learner], learner: Learner, updates: int
 ) -> KLRegularizer | None:
-    """Return the KL regularizer to the other student's policy, every few updates (Mediratta et al. 2023)."""
+    """Return the KL regularizer toward the other student's policy, every few updates (Mediratta et al. 2023)."""
     index = learners.index(learner)
     regularized = config.kl == "both_ways" or (config.kl == "one_way" and index == 0)
     other = learners[(index + 1) % len(learners)].student

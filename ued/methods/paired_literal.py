@@ -7,7 +7,7 @@
         the adversary learns with reward regret, the antagonist with regret, the protagonist with -regret
 
 It is a baseline for `methods.paired`. Students need the regret when they learn, so each level is played within one
-rollout, which should be long enough for its episodes: levels that are not finished in time are dropped.
+rollout. Rollouts should be long enough for the episodes of a level: levels that are not finished in time are dropped.
 Read next: `methods.repaired`.
 """
 
@@ -29,8 +29,8 @@ class PairedLiteral(Method):
     """Trains a protagonist on -regret, an antagonist and an adversary on regret; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters, for normalized rewards, and for opponents, whose
-            second side has no regret.
+        ValueError: if the environment has no free parameters, for normalized rewards, and for opponents, since regret
+            is not defined for the second side.
     """
 
     def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:
@@ -53,9 +53,9 @@ class PairedLiteral(Method):
         for index, learner in enumerate(self.learners):
             learner.start(self.queue.first(index))
         self.fill_rollouts()
-        finished = torch.as_tensor(self.queue.finished())  # [N] environments whose level both have finished
+        finished = torch.as_tensor(self.queue.finished())  # [N], environments whose level both students have finished
         levels = self.queue.pop_finished()  # [L]
-        metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
+        metrics = self.curriculum.update(levels)  # the adversary learns from the regret of each level
         metrics |= regret_split(levels, has_antagonist=True)
         regret = levels["score"]  # [L]
         for learner, reward in ((self.protagonist, -regret), (self.antagonist, regret)):

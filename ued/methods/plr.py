@@ -6,7 +6,7 @@
         else:
             draw a level from the buffer by score and staleness; the student plays it and learns; update its score
 
-A level without a finished episode has no score yet, and does not change the buffer. Read next: `levels.buffer`,
+A level without a finished episode has no score yet and does not change the buffer. Read next: `levels.buffer`,
 `levels.scores`; then `methods.accel`.
 """
 
@@ -41,7 +41,7 @@ class PLR(Method):
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
-        levels = self.collect_rollouts()  # [L] each new or replayed, as sampled in `propose`
+        levels = self.collect_rollouts()  # [L], each new or replayed, as sampled in `propose`
         metrics = self.curriculum.update(levels)  # score each level and store it
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not training levels
         return self.report(levels, metrics)
@@ -52,20 +52,20 @@ class PLR(Method):
 
 
 class RobustPLR(PLR):
-    """Trains one student on replayed levels only; new ones are only evaluated (PLR⊥)."""
+    """Trains one student on replayed levels only; new levels are only evaluated (PLR⊥)."""
 
     robust = True
 
 
 class PLRCurriculum(Resumable):
-    """Replays levels with high scores. A `Curriculum`.
+    """A `Curriculum` that replays levels with high scores.
 
     Args:
         space: the space of levels.
         config: score, buffer and probability of replay.
-        seed: for the choice between replayed and new levels, and among levels.
+        seed: seed of the choice between replayed and new levels, and among levels.
         robust: whether students learn from replayed levels only.
-        budget: of the run, which determines the start of replay; see `PLRConfig.min_fill`.
+        budget: budget of the run, which determines the start of replay; see `PLRConfig.min_fill`.
     """
 
     state_fields: tuple[str, ...] = ("buffer", "pool", "rng")
@@ -82,11 +82,11 @@ class PLRCurriculum(Resumable):
         self.rng = np.random.default_rng(seed)
 
     def _fields(self) -> list[tuple[Any, ...]]:
-        """Return the fields of its level records beside those that all have."""
+        """Return the additional fields of its level records."""
         return scores.fields(self.config.score, self.config.episodes_per_level)
 
     def propose(self, count: int) -> np.ndarray:
-        """Return levels of the buffer with probability `replay_prob` each, new ones otherwise."""
+        """Return levels of the buffer with probability `replay_prob` each, otherwise new levels."""
         return self.buffer.replay_or_new(self.dtype, count, self.config, self.rng, self._new)
 
     def _new(self, count: int) -> np.ndarray:
@@ -99,4 +99,4 @@ class PLRCurriculum(Resumable):
         """Score the levels by the rule of the settings, see `levels.scores`; store them in the buffer."""
         self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
-        return self.buffer.store(records)  # new levels are offered, replayed ones get their new scores
+        return self.buffer.store(records)  # new levels are offered, replayed levels get their new scores

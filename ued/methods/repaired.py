@@ -38,11 +38,11 @@ class Repaired(Method):
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the adversary and of the buffer; score them by regret; learn only from the buffer's."""
-        levels = self.collect_rollouts()  # [L] each the adversary's or replayed, as sampled in `propose`
-        metrics = self.curriculum.update(levels)  # the adversary, from its own; the buffer stores all
+        """Play levels of the adversary and of the buffer; score them by regret; learn only from buffer levels."""
+        levels = self.collect_rollouts()  # [L], each from the adversary or replayed, as sampled in `propose`
+        metrics = self.curriculum.update(levels)  # the adversary learns from its own levels; the buffer stores all
         metrics |= regret_split(levels, has_antagonist(self.config))
-        for learner in self.learners:  # from replayed levels: the others are not training levels
+        for learner in self.learners:  # from replayed levels: only these are training levels
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
         return self.report(levels, metrics)
 
@@ -52,7 +52,7 @@ class Repaired(Method):
 
 
 class RepairedCurriculum(PairedCurriculum):
-    """Proposes levels of high regret, and replays those with the highest. A `Curriculum`."""
+    """A `Curriculum` that proposes levels of high regret, and replays the levels with the highest regret."""
 
     config: RepairedConfig
     state_fields = (*PairedCurriculum.state_fields, "buffer", "rng")
@@ -63,7 +63,7 @@ class RepairedCurriculum(PairedCurriculum):
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:
-        """Return levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
+        """Return levels of the buffer with probability `replay_prob` each, otherwise levels of the adversary."""
         return self.buffer.replay_or_new(self.dtype, count, self.config, self.rng, self._new)
 
     def _new(self, count: int) -> np.ndarray:

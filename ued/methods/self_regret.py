@@ -2,7 +2,7 @@
 
     repeat
         the adversary proposes levels; the student plays 2 n episodes on each, and learns
-        self-regret of a level = the best of the later n episodes - the mean of the earlier n
+        self-regret of a level = the best of the last n episodes - the mean of the first n
         the adversary learns to maximize self-regret
 
 For outcomes 0 and 1, success rate p and n = 2 its expectation is p (1 - p), the learnability of the level. It costs as
@@ -27,7 +27,7 @@ class SelfRegret(Method):
     """Trains one student on the levels of an adversary that maximizes self-regret; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters.
+        ValueError: if the environment has no free parameters.
     """
 
     def setup(self, config: SelfRegretConfig | None, seed: int) -> None:
@@ -38,13 +38,13 @@ class SelfRegret(Method):
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; let the adversary and the student learn."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # the adversary, from the student's self-regret
+        metrics = self.curriculum.update(levels)  # the adversary learns from the student's self-regret
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
 class SelfRegretCurriculum(Teacher):
-    """Proposes levels on which the student improves. A `Curriculum`; see `Teacher` for the arguments."""
+    """A `Curriculum` that proposes levels on which the student improves; see `Teacher` for the arguments."""
 
     def __init__(
         self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0, budget: Budget | None = None

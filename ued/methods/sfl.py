@@ -1,10 +1,10 @@
-"""Sampling for learnability (Rutherford et al. 2024, Algorithm 1), whose evaluation of candidates counts as steps.
+"""Sampling for learnability (Rutherford et al. 2024, Algorithm 1); steps on candidates count as environment steps.
 
     every `choose_every` updates
         the student plays k episodes on each of many random levels, without learning
-        select those of the largest p (1 - p)
+        select the levels with the largest p (1 - p)
     repeat
-        the student plays levels, a share of them selected ones and the rest random, and learns
+        the student plays levels, a share of them selected and the rest random, and learns
 
 The reference implementation spends several times more steps on candidates than on training, and does not count them.
 In this implementation, candidates are played and counted like all other levels. Read next: `methods.ncc`.
@@ -45,12 +45,12 @@ class SFL(Method):
 
 
 class SFLCurriculum(Resumable):
-    """Proposes the levels that are solved about half of the time. A `Curriculum`.
+    """A `Curriculum` that proposes the levels that are solved about half of the time.
 
     Args:
         space: the space of levels.
         config: number of candidates, interval between selections, and number of selected levels.
-        seed: for the choice of levels.
+        seed: seed of the choice of levels.
     """
 
     state_fields = ("pool", "rng", "waiting", "looking", "judged", "chosen", "updates")
@@ -64,11 +64,11 @@ class SFLCurriculum(Resumable):
         self.waiting = 0  # candidates yet to be proposed
         self.looking = False  # whether there are candidates to propose or to evaluate
         self.judged = np.zeros(0, self.dtype)  # evaluated candidates
-        self.chosen = np.zeros(0, self.dtype)  # selected ones, with their scores
+        self.chosen = np.zeros(0, self.dtype)  # selected levels with their scores
         self.updates = 0
 
     def propose(self, count: int) -> np.ndarray:
-        """Return candidates while there are any, then selected levels and random ones."""
+        """Return candidates as long as there are any, then selected and random levels."""
         candidates = min(count, self.waiting)
         self.waiting -= candidates
         chosen = self.rng.binomial(count - candidates, self.config.chosen_share) if len(self.chosen) else 0
@@ -78,7 +78,7 @@ class SFLCurriculum(Resumable):
         replayed["id"] = again["id"]
         records = np.concatenate([new, replayed])
         records["num_episodes"][candidates:] = 1
-        records["train"][:candidates] = False  # they are only evaluated
+        records["train"][:candidates] = False  # candidates are only evaluated
         return records[self.rng.permutation(count)]
 
     def _learnability(self, candidates: np.ndarray) -> np.ndarray:
@@ -100,7 +100,7 @@ class SFLCurriculum(Resumable):
             self.chosen = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
             metrics["sfl/chosen_score"] = float(self.chosen["score"].mean())
             self.judged, self.looking = self.judged[:0], False
-        if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may delay it
+        if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may delay this
             self.waiting, self.looking = self.config.candidates, True
         self.updates += 1
         return metrics

@@ -14,8 +14,8 @@ from ued.recorder.shades import CALM_TO_RED, ramp
 from ued.recorder.theta_log import bars_between
 
 BINS = 24
-EVERY = 10  # updates
-MOST_LEVELS = 2_000  # in the tree, those with the highest scores
+EVERY = 10  # updates between two records
+MOST_LEVELS = 2_000  # maximum number of levels in the tree; those with the highest scores are shown
 
 
 class BufferLog:

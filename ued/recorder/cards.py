@@ -14,7 +14,7 @@ from ued.levels.record import NONE
 
 Values = Callable[[np.ndarray], np.ndarray]  # columns of θ in the units of the parameters, see `ThetaLog.values`
 
-# By rule: its name, its formula, and columns of `LevelBatch.outcomes` whose numbers stand in the formula.
+# By rule: its name, its formula, and the columns of `LevelBatch.outcomes` whose numbers the formula contains.
 FORMULAS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "max_mc": ("MaxMC", "best return ever − mean value of the critic", ("best_ever", "value")),
     "positive_value_loss": ("positive value loss", "mean of max(A, 0) over steps", ("positive_advantage",)),
@@ -24,7 +24,7 @@ FORMULAS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "mna": ("MNA", "sum of −A over steps, 0 if never solved", ()),
 }
 
-# By the definition of regret: what is subtracted from what.
+# By the definition of regret: its minuend and subtrahend.
 REGRETS = {
     "population max_mean": "best episode − mean of all episodes",
     "population mean_mean": "mean of the best student − mean of all episodes",
@@ -37,16 +37,16 @@ BEST = "best of this visit"  # not the best return ever, which MaxMC uses
 
 
 def formula(batch: LevelBatch, level: int, rule: str) -> str:
-    """Return a line on how the score of a level comes about; empty without a score or a rule.
+    """Return a line that explains the score of a level; empty without a score or a rule.
 
-    `rule`: of `levels.scores`, a definition of regret in `REGRETS`, or the name of a function.
+    `rule` is a rule of `levels.scores`, a definition of regret in `REGRETS`, or the name of a function.
     """
     score = batch.score[level]
     if not rule or not np.isfinite(score):
         return ""
     if rule in REGRETS:
         name, text, terms = "regret", REGRETS[rule], regret_terms(batch.records["returns"][level], rule)
-        if not np.isclose(terms[0] - terms[1], score, atol=0.005):  # clipped at 0
+        if not np.isclose(terms[0] - terms[1], score, atol=0.005):  # the score was clipped at 0
             terms = []
     else:
         name, text, columns = FORMULAS.get(rule, (rule, "your function", ()))
@@ -72,7 +72,7 @@ def regret_terms(returns: np.ndarray, rule: str) -> list[float]:
 def by_score(batch: LevelBatch, most: int) -> np.ndarray:
     """Return the indices of the levels with the highest scores, best first, at most `most`.
 
-    Of a level that was visited several times, only the visit with the highest score counts.
+    If a level was visited several times, only the visit with the highest score counts.
     """
     order = np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")
     _, first = np.unique(batch.records["id"][order], return_index=True)
@@ -116,7 +116,7 @@ def slot_card(batch: LevelBatch, level: int, rule: str = "") -> str:
 
 
 def origin(batch: LevelBatch, level: int) -> str:
-    """Return the number of a level and where it comes from."""
+    """Return the number of a level and its origin."""
     record = batch.records[level]
     parent = f" from {record['parent']}" if record["parent"] != NONE else ""
     return f"level {record['id']}, {batch.source[level]}{parent}"
@@ -129,7 +129,7 @@ def aim_card(batch: LevelBatch, names: Sequence[str], values: Values) -> str:
     if not chosen.any():
         return f"{sources}: no level was chosen"
     low, middle, high = values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
-    spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform
+    spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform distribution
     rows = "\n".join(
         f"| {name} | {low[d]:.2f} | {middle[d]:.2f} | {high[d]:.2f} | {spread[d]:.0%} |" for d, name in enumerate(names)
     )

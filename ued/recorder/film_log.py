@@ -33,10 +33,10 @@ class FilmLog:
         """Do nothing: without a painter, only θ locates levels."""
 
     def record(self, batch: LevelBatch) -> None:
-        """Do nothing, for the same reason."""
+        """Do nothing: without a painter, levels have no pictures."""
 
     def record_path(self, student: str, episodes: Episodes) -> None:
-        """Write the first frames of episodes, and their outcome."""
+        """Write the first frame of the recorded episodes, and their outcome."""
         if len(episodes.positions):
             self.stream.log(f"film/{student}", rerun.Image(episodes.positions[0]).compress(QUALITY))
         self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))

@@ -1,7 +1,7 @@
-"""Places of labels in a scene, so that they neither overlap nor are cut off at its edge.
+"""Places of labels in a scene such that labels neither overlap nor are cut off at the edge.
 
-The viewer draws a label below its point, in pixels. Sizes are those in a view 760 pixels wide, half of a window. Read
-next: `recorder.scene_log`, which draws them.
+The viewer draws a label below its point, in pixels. Sizes are for a view 760 pixels wide, half of a window. Read next:
+`recorder.scene_log`, which draws the labels.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-# Of a label, as shares of the view's width: its character's width, its height, and its distance below its point.
+# As shares of the view's width: the width of a label's character, its height, and its distance below its point.
 CHARACTER, LINE, BELOW = 0.0078, 0.024, 0.021
-PADDING = 3  # characters, around a text
-MOST_LINES = 12  # by which a label moves up or down
+PADDING = 3  # characters around a text
+MOST_LINES = 12  # maximum distance in lines by which a label moves up or down
 
 
 def spread(places: np.ndarray, texts: Sequence[str], bounds: Sequence[float]) -> np.ndarray:
@@ -22,9 +22,9 @@ def spread(places: np.ndarray, texts: Sequence[str], bounds: Sequence[float]) ->
     Args:
         places: `[n, 2]`, y-up.
         texts: the labels, in order of priority.
-        bounds: of the view: x low, x high, y low, y high.
+        bounds: bounds of the view: x low, x high, y low, y high.
 
-    Returns points `[n, 2]`. A label that finds no room within `MOST_LINES` lines overlaps others.
+    Returns points `[n, 2]`. A label without room within `MOST_LINES` lines overlaps others.
     """
     x_low, x_high, y_low, y_high = bounds
     character, line, below = (size * (x_high - x_low) for size in (CHARACTER, LINE, BELOW))

@@ -24,14 +24,14 @@ PlayState = Literal["Paused", "Playing", "Following"]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
-MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in view units
-MAP_LEFT = 104.0  # room for labels beside them
+MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # size of the densities over updates, in view units
+MAP_LEFT = 104.0  # room for labels to the left of the densities
 SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLORS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 BUFFERED = ("/metrics/buffer/score", "/metrics/buffer/generation")
 RETURNS, SCORE, TESTS = "/metrics/return_per_level/", "/metrics/score_per_level", "/metrics/eval/"
 PROGRAMS, CHOICES = "/metrics/program/", "/metrics/choice_ratio/"
-CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # what views show
+CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # curves that views show
 DARK: Color = (12, 12, 14)
 
 
@@ -65,7 +65,7 @@ def shown(path: str) -> bool:
 
 @contextmanager
 def recording(path: Path, kind: str, name: str, views: Any) -> Iterator[rerun.RecordingStream]:
-    """Open a recording at a path, y-up below /scene. Raises OSError or RuntimeError if it cannot be written."""
+    """Open a recording at a path, with y up below /scene. Raises OSError or RuntimeError if it cannot be written."""
     with open(path, "wb"):  # Rerun only warns about an unwritable path
         pass
     stream = rerun.RecordingStream(kind, recording_id=name)
@@ -141,7 +141,7 @@ def _plain(students: Sequence[str]) -> Any:
 def _progress(students: Sequence[str], mixed: bool = False, buffered: bool = False) -> Any:
     """Return the views of returns, scores of levels, and θ over updates.
 
-    Curves of training stand side by side: low views have too few ticks.
+    Curves of training are side by side, since low views have too few ticks.
     """
     curves = [_curves("Return per level (mean ± std)", f"{RETURNS}**", "RightBottom")]
     if len(students) > 1:
@@ -165,7 +165,7 @@ def _levels(painter: ScenePainter) -> Any:
 
 
 def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
-    """Return the recorded episodes of each student, outcomes beside the scene; below it for several students."""
+    """Return the recorded episodes of each student; outcomes are beside the scene, or below it for several students."""
     views = []
     for name in students:
         paths = "/scene/ground", f"/scene/rollout/{name}/**"

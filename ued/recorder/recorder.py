@@ -1,6 +1,6 @@
 """The curriculum as a Rerun recording: played levels, their outcomes, and the distribution of θ.
 
-The recorder is independent of the domain: a `ScenePainter` defines the look of a level. Without one, the recording has
+The recorder is independent of the domain: a `ScenePainter` draws the levels. Without a painter, the recording has
 θ, and a video of rendered frames (`/film/<student>`) instead of `/scene`. It writes these entities:
 
     /scene/ground                    static lines; coordinates below /scene are in m, y-up
@@ -9,7 +9,7 @@ The recorder is independent of the domain: a `ScenePainter` defines the look of 
     /scene/levels/<slot>/...         the levels with the highest score, one per slot
     /scene/rollout/<student>/path    a student's whole path on a level, on timeline `update`, start and ends labeled
     /scene/rollout/<student>/now     the same, animated, on timeline `movie`
-    /metrics/<name>                  every metric of the method; returns and score with a band of one deviation
+    /metrics/<name>                  every metric of the method; returns and score with a band of one std
     /theta/<name>/...                quantiles and histogram of each column of θ
     /theta/over_time/...             update x bin densities of all columns, with a cursor
     /levels/card                     the level with the highest score, as text, with the formula of its score
@@ -49,7 +49,7 @@ from ued.recorder.theta_log import ThetaLog
 from ued.recorder.writer import Writer, compact
 
 APPLICATION = "regista"
-TIMELINES = ("update", "env_steps")  # metrics that are times of all others
+TIMELINES = ("update", "env_steps")  # metrics that serve as timelines of all others
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ class CurriculumRecorder:
         self.buffer = BufferLog(self.stream)
         self._opened, self._views = False, None
         self._scenes: set[str] = set()  # test scenes whose curves have a style
-        self._sources: set[str] = set()  # of levels, that occurred
+        self._sources: set[str] = set()  # sources of levels that have occurred
         self._flushes = 0
-        self._last = 0  # update that was recorded
+        self._last = 0  # the last recorded update
 
     def recall(self, update: int, env_steps: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update that an earlier part of the recording already shows."""
@@ -114,7 +114,7 @@ class CurriculumRecorder:
         self.scenes.record(batch)
         self._log_cards(update, batch)
         self.theta.record(update, batch.theta)
-        if self.recording.connect:  # who watches does not wait for a checkpoint
+        if self.recording.connect:  # a live viewer should not wait for a checkpoint
             self.theta.record_densities(update)
             self.rows.send()
 
@@ -142,7 +142,7 @@ class CurriculumRecorder:
         Raises Rerun's errors if the disk fails; then recording cannot continue.
         """
         if self._opened:
-            self.theta.record_densities(self._last)  # every version stays in the file, so not more often
+            self.theta.record_densities(self._last)  # not more often, since every version stays in the file
             self.rows.send()
             self._flushes += 1
             self.writer.wait_for(self.stream.flush)
@@ -195,7 +195,7 @@ class CurriculumRecorder:
                 self.rows.band(["metrics", *name.split("/")], known)
 
     def _log_cards(self, update: int, batch: LevelBatch) -> None:
-        """Write what stands beside the scenes, and of the chosen levels."""
+        """Write the texts beside the scenes, and the text about the chosen levels."""
         names, values, rule = self.theta.names, self.theta.values, self.recording.score
         texts = {
             "levels/card": cards.level_card(update, batch, names, values, rule),
@@ -203,15 +203,15 @@ class CurriculumRecorder:
         }
         if self.painter is not None:
             best = cards.by_score(batch, TOP_LEVELS).tolist()
-            texts |= {f"levels/{slot}": "" for slot in range(len(best), TOP_LEVELS)}  # a smaller batch
+            texts |= {f"levels/{slot}": "" for slot in range(len(best), TOP_LEVELS)}  # slots without a level
             texts |= {f"levels/{slot}": cards.slot_card(batch, level, rule) for slot, level in enumerate(best)}
         for path, text in texts.items():
             self.stream.log(path, rerun.TextDocument.from_fields(text=text))
 
     def _occurs(self, name: str, value: float) -> bool:
-        """Return whether a metric is written: of a source of levels, from its first level on, which gives it a style.
+        """Return whether a metric is written. The share of a source is written from the first level of the source on.
 
-        The legend would list sources that the method never has.
+        Otherwise the legend would list sources that the method never has. The first level sets the style of the curve.
         """
         source = name.removeprefix("levels/")
         if source == name or source not in SOURCE_COLORS or source in self._sources:
@@ -223,7 +223,7 @@ class CurriculumRecorder:
         return value > 0
 
     def _look_of_scene(self, name: str) -> None:
-        """Write the style of a test scene's curve with its first value: a color of its own, a wide line."""
+        """Write the style of a test scene's curve, a separate color and a wide line, with the first value."""
         if name.startswith("eval/") and name not in self._scenes:
             shade = SCENE_COLORS[len(self._scenes) % len(SCENE_COLORS)]
             self._scenes.add(name)

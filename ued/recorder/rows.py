@@ -1,4 +1,4 @@
-"""Numbers of a recording that are sent in columns, many updates at once: a hundred times cheaper than row by row.
+"""Numbers of a recording, sent in columns for many updates at once: a hundred times cheaper than row by row.
 
 Read next: `recorder.recorder`, which sends them at every checkpoint.
 """
@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 import rerun
 
-MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
+MOVIE_SECONDS = 1.0  # seconds of the `movie` timeline per update
 
 
 class Pending(NamedTuple):
-    """Rows of an entity: at which updates, after how many steps, and K numbers each."""
+    """Rows of an entity: the update, the env_steps and K numbers of each row."""
 
     updates: list[int]
     env_steps: list[int]
@@ -25,7 +25,7 @@ class Pending(NamedTuple):
 class Rows:
     """Collects rows of numbers by entity, until `send`.
 
-    Curves that no view shows, see `shown`, have no row on timeline `movie`, which is for playing.
+    Curves that no view shows, see `shown`, have no row on timeline `movie`, which is only for animations.
     """
 
     def __init__(self, stream: rerun.RecordingStream, shown: Callable[[str], bool]) -> None:

@@ -20,10 +20,10 @@ from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # decay of the heat map per update
-MARK_COLOR = (235, 235, 235)  # of starts and ends
+MARK_COLOR = (235, 235, 235)  # color of starts and ends
 END_SIZE = 0.55  # size of end points relative to start points
-FILLING_RADIUS = 0.31  # of a line that fills a square from -1 to 1, as Rerun has no filled squares
-FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # its points
+FILLING_RADIUS = 0.31  # radius of a line that fills a square from -1 to 1, since Rerun has no filled squares
+FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # the line
 
 
 class Episodes(NamedTuple):
@@ -34,7 +34,7 @@ class Episodes(NamedTuple):
         begins: first frame of each episode, beginning with 0.
         step_seconds: time between two frames.
         outcome: a text about all of them.
-        ends: outcome of each episode in a few words; by default none is known.
+        ends: outcome of each episode in a few words; by default all are unknown.
     """
 
     positions: np.ndarray
@@ -53,7 +53,7 @@ class Episodes(NamedTuple):
         return episodes_card(self.outcome, self.ended(), lengths)
 
     def ended(self) -> list[str]:
-        """Return the outcome of each episode, "unknown" where none is known."""
+        """Return the outcome of each episode, "unknown" if not available."""
         return [*self.ends, *["unknown"] * len(self.begins)][: len(self.parts())]
 
 
@@ -99,7 +99,7 @@ class SceneLog:
         np.add.at(self._heat, (cells[inside, 1], cells[inside, 0]), 1.0)
 
     def record(self, batch: LevelBatch) -> None:
-        """Write the map of an update's levels, and those with the highest scores."""
+        """Write the map of an update's levels, and the levels with the highest scores."""
         places = self.painter.positions(batch.theta)  # [L, K, 2]
         best, labels = by_score(batch, TOP_LEVELS), captions(batch)
         for slot in range(TOP_LEVELS):
@@ -150,12 +150,12 @@ class SceneLog:
         below = spread(places, texts, self.painter.reach)
         labels = rerun.Points2D(below, labels=texts, colors=MARK_COLOR, radii=0.001, show_labels=True, draw_order=41)
         self.stream.log(f"{root}/labels", labels)
-        leaders = np.stack([places, below], 1)[np.abs(places - below).max(1) > 0]  # [m, 2, 2], of those that moved
+        leaders = np.stack([places, below], 1)[np.abs(places - below).max(1) > 0]  # [m, 2, 2], for labels that moved
         lines = rerun.LineStrips2D(leaders, colors=(*MARK_COLOR, 150), radii=0.1, draw_order=39)
         self.stream.log(f"{root}/leaders", lines)
 
     def _marked(self, parts: Sequence[np.ndarray]) -> int:
-        """Return the index of the point that marks episodes: the focus, or if it stands still, what moves most."""
+        """Return the index of the point that marks episodes: the focus if it moves, else the point that moves most."""
         moved = np.sum([np.nan_to_num(np.abs(np.diff(part, axis=0))).sum((0, 2)) for part in parts], 0)  # [K]
         moved *= self._trails
         return int(moved.argmax()) if moved.any() and not moved[self.painter.focus] else self.painter.focus
@@ -176,11 +176,11 @@ class SceneLog:
         self.stream.log(root, rerun.Clear(recursive=True))
 
     def _moving(self, places: np.ndarray) -> np.ndarray:
-        """Return points `[..., K, 2]` in which tiles are nan, as they are drawn apart."""
+        """Return points `[..., K, 2]` in which tiles are nan, since tiles are drawn separately."""
         return np.where(self._tiles[:, None], np.nan, places) if self._tiles.any() else places
 
     def _log_tiles(self, root: str, places: np.ndarray) -> None:
-        """Write the tiles among the points `[K, 2]` as squares, each one a line that fills it, see `FILLING`."""
+        """Write the tiles among the points `[K, 2]` as squares, each filled by one line, see `FILLING`."""
         if not self._tiles.any():
             return
         shown = self._tiles & np.isfinite(places).all(1)
@@ -204,7 +204,7 @@ class SceneLog:
 
 
 def captions(batch: LevelBatch) -> list[str]:
-    """Return a title for each level, with a line for each student with its mean and best returns on this visit."""
+    """Return a title for each level, followed by each student's mean and best returns on this visit, one per line."""
     best = batch.best
     parts = [titles(batch)]
     for student, returns in batch.returns.items():

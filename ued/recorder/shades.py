@@ -14,7 +14,7 @@ from ued.core.painter import Color
 
 STUDENT_COLORS: tuple[Color, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOR: Color = (255, 82, 82)
-SCENE_COLORS: tuple[Color, ...] = (  # of test scenes, on a dark background: Okabe and Ito 2008, lightened
+SCENE_COLORS: tuple[Color, ...] = (  # for test scenes, on a dark background: Okabe and Ito 2008, lightened
     (86, 180, 233),
     (230, 159, 0),
     (0, 205, 150),
@@ -24,7 +24,7 @@ SCENE_COLORS: tuple[Color, ...] = (  # of test scenes, on a dark background: Oka
     (235, 235, 235),
     (150, 130, 255),
 )
-SOURCE_COLORS: dict[str, Color] = {  # of levels, by source
+SOURCE_COLORS: dict[str, Color] = {  # colors of levels, by source
     "random": (158, 158, 158),
     "proposed": (66, 165, 245),
     "replaced": (186, 104, 200),
@@ -45,7 +45,7 @@ CALM_TO_RED: tuple[Color, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67
 
 
 def student_color(index: int) -> Color:
-    """Return the color of a student by its number; those of large populations repeat."""
+    """Return the color of a student by its number; colors repeat in large populations."""
     return STUDENT_COLORS[index % len(STUDENT_COLORS)]
 
 

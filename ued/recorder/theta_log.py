@@ -16,13 +16,13 @@ from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_LEFT, MAP_WIDTH
 from ued.recorder.rows import Rows
 from ued.recorder.shades import smooth, unique_names
 
-BINS = 24  # of a histogram of θ
-MOST_COLUMNS = 40  # shown columns of θ
+BINS = 24  # bins of a histogram of θ
+MOST_COLUMNS = 40  # maximum number of shown columns of θ
 MAP_COLUMNS = 400  # maximum width of the densities over updates
-MAP_BLUR = 1.2  # of those densities, in columns and bins
+MAP_BLUR = 1.2  # width of the blur of these densities, in columns and bins
 HEIGHTS = "BarChart:values"  # the only part of a histogram that changes
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
-MOST_LABELS = 10  # of the densities over updates
+MOST_LABELS = 10  # maximum number of labels of the densities over updates
 LABEL_CHARACTER, LABEL_BELOW = 3.6, 6.0  # width of a character, distance below its point, in units of the densities
 NARROW_GAP = 0.2  # between the densities of many columns, as a share of their height
 MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, which bounds the file size
@@ -41,15 +41,15 @@ class ThetaLog:
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ is shown
         self._cells = [choice_in(draw) for draw in draws]
-        self._values = [cells_in(draw) for draw in draws]  # of columns with finitely many values
+        self._values = [cells_in(draw) for draw in draws]  # cells of columns with finitely many values
         self._horizon = 1  # estimated number of updates of the run
         self._density = np.zeros((len(self.names), 1, BINS))  # [D, columns, bins]
         self._mapped = 0  # the last update at which the densities were written
 
     def values(self, theta: np.ndarray) -> np.ndarray:
-        """Return the shown columns of θ `[..., D]`, in the units of the parameters."""
+        """Return the shown columns of θ `[..., D]` in the units of the parameters."""
         share = (theta[..., : len(self.names)] + 1) / 2
-        for d, known in enumerate(self._values):  # cells of unequal width are not linear on the axis of their values
+        for d, known in enumerate(self._values):  # cells of unequal width are not linear on the axis of values
             if known is not None:
                 share[..., d] = (known.index(theta[..., d]) + 0.5) / known.count
         return self.low + share * (self.high - self.low)
@@ -81,7 +81,7 @@ class ThetaLog:
     def note(self, update: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the densities over updates."""
         last = self._density.shape[1] - 1
-        column = min((update - 1) * (last + 1) // self._horizon, last)  # update 1 lies between #0 and #1
+        column = min((update - 1) * (last + 1) // self._horizon, last)  # update 1 is between #0 and #1
         for d in range(len(self.names)):
             self._density[d, column] += self._shade(d, theta[:, d])
 
@@ -116,7 +116,7 @@ class ThetaLog:
     def record_densities(self, update: int, growth: float = MAP_GROWTH) -> None:
         """Write the densities of all columns of θ over updates, stacked in one view.
 
-        Nothing is written before the updates have grown by a factor since the last time.
+        Nothing is written until the number of updates has grown by the factor `growth` since the last time.
         """
         if update < growth * self._mapped or update == self._mapped:
             return
@@ -152,14 +152,14 @@ class ThetaLog:
 
 
 def binned(theta: np.ndarray) -> np.ndarray:
-    """Count the entries of θ `[L]` in equal bins of [-1, 1]: `[BINS]`. No rounding loses one at an end."""
+    """Count the entries of θ `[L]` in equal bins of [-1, 1]: `[BINS]`. Rounding drops no entry at the ends."""
     return np.bincount(np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1), minlength=BINS)
 
 
 def bars_between(edges: np.ndarray, width: float) -> dict[str, Any]:
-    """Return places and widths of bars in the middle between `edges` `[n + 1]`; `width`: their share of it.
+    """Return places and widths of bars centered between `edges` `[n + 1]`; `width` is their share of the distance.
 
-    The viewer draws a bar from its place on, to the right.
+    The viewer draws a bar to the right of its place.
     """
     steps = np.diff(edges)
     places, widths = edges[:-1] + (1 - width) / 2 * steps, width * steps
@@ -167,7 +167,7 @@ def bars_between(edges: np.ndarray, width: float) -> dict[str, Any]:
 
 
 def axis_label(name: str, low: float, high: float) -> str:
-    """Return the label of a column's densities: its name, shortened to the room beside them, and its range."""
+    """Return the label of a column's densities: its name, shortened to the available room, and its range."""
     span = f": {low:g} to {high:g}"
     room = max(int((MAP_LEFT - MAP_GAP) / LABEL_CHARACTER) - 2 - len(span), 4)
     return (name if len(name) <= room else name[: room - 1] + "…") + span

@@ -1,4 +1,4 @@
-"""Access to Rerun's writer with a time limit, since it hangs after a failure of the disk.
+"""Access to Rerun's writer with a time limit, since Rerun hangs after a disk failure.
 
 Rerun can block forever in `set_sinks`, `flush` and `disconnect`, when a stream is freed, and at exit.
 Read next: `recorder`.
@@ -20,11 +20,11 @@ import rerun
 from ued.core.files import partial_of
 
 PATIENCE = 60.0  # s, time limit for writing pending data
-COMPACTED = 256_000_000  # bytes; larger files are not compacted, which needs several times their size of memory
+COMPACTED = 256_000_000  # bytes; larger files are not compacted, since this takes several times their size in memory
 
 
 class Writer:
-    """A stream's writer. It is finished at exit, unless it was finished earlier."""
+    """A stream's writer. It is finished at exit at the latest."""
 
     def __init__(self, stream: rerun.RecordingStream) -> None:
         self.stream = stream
@@ -33,7 +33,8 @@ class Writer:
     def wait_for(self, act: Callable[[], object]) -> None:
         """Call a function that waits for the writer.
 
-        Raises its errors, and RuntimeError after the time limit. Then the stream is never freed nor waited for again.
+        Raises the errors of `act`, and RuntimeError after the time limit. After an error, the stream is never freed or
+        waited for again.
         """
         failure: list[Exception] = [RuntimeError(f"the writer did not respond within {PATIENCE:.0f} s")]
 
@@ -64,14 +65,14 @@ class Writer:
 
 
 def compact(path: Path, application: str, recording_id: str, views: Any) -> None:
-    """Merge the chunks of a complete file: one of each entity for every flush, kilobytes each.
+    """Merge the chunks of a complete file, which has a chunk of kilobytes for each entity and flush.
 
     Args:
         path: the file, which is replaced atomically.
-        application, recording_id: its names.
-        views: its blueprint.
+        application, recording_id: names of the recording.
+        views: blueprint of the recording.
 
-    Large files stay as they are. Raises OSError or RuntimeError if the new file cannot be written; the old one stays.
+    Large files are not changed. Raises OSError or RuntimeError if the new file cannot be written; the old file stays.
     """
     from rerun.chunk import OptimizationProfile, RrdReader
 
