@@ -1,4 +1,4 @@
-"""Tiny vectorised UPOMDPs whose answers are known: what each should teach is said in its docstring."""
+"""Tiny vectorized UPOMDPs with known answers; the docstring of each says what it should teach."""
 
 import copy
 
