@@ -62,10 +62,10 @@ class Specifier(Expression):
 class Operator(Expression):
     """A word operator: `name` is its words, `operands` are its operands; None is an omitted operand.
 
-    `grammar.MEASURES` lists operators before a value; their operands are in the order of the letters: `distance to Y
-    [from X]` is ("distance", [X or None, Y]), `relative heading of H [from X]` is ("relative heading of", [H, X or
-    None]). Further examples are
-    `visible R`, `not visible R`, `follow F from V for D`, `initial scenario`, and `always P`, `eventually P`, `next P`.
+    `grammar.MEASURES` lists operators before a value; their operands are in the order of the letters. For example,
+    `distance to Y [from X]` is ("distance", [X or None, Y]), and `relative heading of H [from X]` is ("relative heading
+    of", [H, X or None]). The other operators before a value are `visible R`, `not visible R`, `follow F from V for D`,
+    `initial scenario`, and the temporal `always P`, `eventually P`, `next P`.
     `grammar.INFIX` lists operators between values: `X relative to Y` is ("relative to", [X, Y]), `X deg` is ("deg",
     [X]), `X offset along H by Y` is ("offset along", [X, H, Y]). However, `X @ Y` is Python's BinOp with MatMult.
     """
