@@ -140,7 +140,7 @@ def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left:
 
 
 def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
-    """Evaluate a node; a dictionary must have the same keys in all matches."""
+    """Evaluate a node; the keys of a dictionary must not depend on the match."""
     return certain(handler(scope, node))
 
 
