@@ -1,7 +1,6 @@
 """Load a program: parse it, walk its tree once, and pass the result to `Program`.
 
-`core.scope` and the modules of `evaluation` contain the evaluation itself. Read next:
-`core.scope`.
+`core.scope` and the modules of `evaluation` contain the evaluation itself. Read next: `core.scope`.
 """
 
 from __future__ import annotations

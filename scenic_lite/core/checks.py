@@ -1,7 +1,7 @@
 """Arithmetic faults that array operations ignore, such as a division by zero: their places and their scenes.
 
-The walk over the tree registers every random value whose operation can fail (`note`), with its place and the conditions
-under which it is evaluated; `CheckResults` finds the scenes of a batch in which one fails. Read next: `scene.program`.
+`RuntimeChecks.note` registers every random value whose operation can fail, with its place and the conditions of its
+evaluation. `CheckResults` finds the scenes of a batch in which such an operation fails. Read next: `scene.program`.
 """
 
 from __future__ import annotations

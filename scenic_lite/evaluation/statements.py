@@ -1,7 +1,6 @@
 """Execute the statements of Python, and those of Scenic that describe a scene.
 
-Behaviors, monitors and conditions that end an episode stay trees, for the compiler. Read next:
-`evaluation.modules`.
+Behaviors, monitors and conditions that end an episode stay trees, for the compiler. Read next: `evaluation.modules`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Vector fields from regions or from functions of the program, and paths along a field.
 
-If a function branches on the point, all of its branches are evaluated. Read next:
-`language.scenic_operators`, for the other uses of fields.
+If a function branches on the point, all of its branches are evaluated. Read next: `language.scenic_operators`, for the
+other uses of fields.
 """
 
 from __future__ import annotations

@@ -48,9 +48,9 @@ class Demand(NamedTuple):
 def prune(state: LoadState) -> None:
     """Restrict the regions of a program's drawn points to the parts in which the objects fit.
 
-    The pruned parts are those of Scenic, so that acceptance rates are comparable: a margin of the container, as wide as
-    the radius of the object's inner circle. Dialect 3 prunes nothing for an object `in workspace`. Raises ScenicError
-    if an object fits nowhere.
+    The pruned parts are those of Scenic, so that acceptance rates are comparable. They are a margin of the container,
+    as wide as the radius of the object's inner circle. Dialect 3 prunes nothing for an object `in workspace`. Raises
+    ScenicError if an object fits nowhere.
     """
     points = {id(part): i for i, drawn in enumerate(state.points) for part in (drawn.point.x, drawn.point.y)}
     parts: dict[Demand, dict[Region, Region | None]] = {}  # cache for equal demands

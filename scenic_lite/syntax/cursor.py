@@ -1,8 +1,8 @@
 """The token cursor that all parts of the parser share: look ahead, read, expect, build a node, report errors.
 
-The productions are functions of a cursor in the other modules, and their docstrings are the grammar. If a module needs
-a production of a later module (a bracket contains expressions, a block contains statements), it calls the production
-through the cursor, where `parse` registers it.
+The productions are functions of a cursor in the other modules, and their docstrings are the grammar. A module calls
+productions of later modules through the cursor, where `parse` registers them: a bracket contains expressions, a block
+contains statements.
 Read next: `syntax.expressions`.
 """
 

@@ -1,7 +1,7 @@
 """Vectors, angles and oriented rectangles, for both fixed and random numbers.
 
-Headings are in radians, 0 along +y, counterclockwise. Read next: `values.regions`; `scene.constraints`,
-which tests rectangles.
+Headings are in radians, 0 along +y, counterclockwise. Read next: `values.regions`; `scene.constraints`, which tests
+rectangles.
 """
 
 from __future__ import annotations

@@ -4,8 +4,7 @@ A row contains the operation on Python's numbers (`scalar`, which raises Python'
 (`array`, which returns nan instead). It also contains the opcode of the virtual machine, whether the operation
 preserves integers, and the test for failures. The `math` module of the language, the compiler's emitter and the checks
 of arithmetic read this table. A new operation needs a row in this table. If a running match computes the operation, it
-also needs a row in `dynamics.machine.opcodes` and a branch in `vm`. Read next:
-`values.graph`, which applies them.
+also needs a row in `dynamics.machine.opcodes` and a branch in `vm`. Read next: `values.graph`, which applies them.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 Fixed regions are combined once. Regions that differ between scenes are combined in every scene, so that points drawn
 from the result are uniform in each scene. The combination is geometric if the regions have shapes; otherwise points
-are rejected. Read next:
-`values.shapes`, the geometry; `scene.pruning`.
+are rejected. Read next: `values.shapes`, the geometry; `scene.pruning`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Scenic's statements `take`, `wait`, `do`, `terminate` and `require`; threads contain their behaviors inline.
 
-The reference interpreter defines the meaning of each statement, and the evaluation order of its parts. Read
-next:
+The reference interpreter defines the meaning of each statement, and the evaluation order of its parts. Read next:
 `dynamics.compiler.compile`, which compiles behaviors to threads.
 """
 

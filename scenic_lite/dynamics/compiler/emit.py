@@ -1,7 +1,7 @@
 """From nodes to rows: each operation of the evaluator's graph becomes an opcode.
 
 A node that does not depend on the running match is an input, which is computed once, with the scene. A node that can
-fail, such as 1 / x for a column x, is an exception: it must fail at the point at which the match reaches it. Read next:
+fail, such as 1 / x for a column x, is an exception: it must fail at its point in the match. Read next:
 `dynamics.compiler.types`, the types of variables.
 """
 

@@ -4,8 +4,7 @@ The slot of a block holds the row at which the block resumes, or 0 while the blo
 statement clears the slots of its handlers and sets the slot of the enclosing block to a scan. The outermost scan thus
 runs first after time has passed. The scan checks the handlers from last to first, and resumes the first handler that is
 running or whose condition is true, otherwise the body. A handler that ends clears its slot and scans again in the same
-step. Read next:
-`dynamics.compiler.watchers`.
+step. Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations

@@ -5,8 +5,7 @@ scenario takes a step, and its compose block resumes at its slot; the inner scen
 compose block, it stores its resumption row and jumps to the end of its scenario's step. A routine can end a scenario
 from any place. Objects and statements that a setup creates belong to its scenario. A compose block may also contain
 some of these statements.
-Read next:
-`dynamics.compiler.watchers`.
+Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations

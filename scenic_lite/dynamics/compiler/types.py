@@ -3,8 +3,7 @@
 Every variable has one type, which the program's assignments determine. `Const` is one fixed value and needs no
 register. `Scalar` is a number, truth value or text. `Struct` is a composite such as a vector, tuple or region.
 `ListType` is a list of varying length. `OneOf` is one of several values, such as an object or None.
-Read next: `dynamics.compiler.registers`,
-which stores values by their types.
+Read next: `dynamics.compiler.registers`, which stores values by their types.
 """
 
 from __future__ import annotations
