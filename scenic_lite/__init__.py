@@ -1,4 +1,4 @@
-"""A two-dimensional Scenic for arrays of scenes: programs describe distributions of scenes, evaluated N at a time.
+"""A two-dimensional Scenic for batches of scenes: a program describes a distribution of scenes, evaluated N at a time.
 
 `load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` runs behaviors in them. README.md is the
 manual of the language. The packages, from the ground up:
@@ -7,9 +7,9 @@ manual of the language. The packages, from the ground up:
     values      random expressions as graphs, and geometry in the plane
     core        scopes, types, budget: the basis of all other packages
     language    the chapters of the manual: classes, distributions, specifiers, operators, requirements, regions
-    evaluation  one walk over the tree, for numbers and random values alike
-    scene       θ → scenes, and back
-    dynamics    behaviors and monitors: the compiler, the virtual machine
+    evaluation  one walk over the tree, for both fixed and random values
+    scene       θ → scenes, and scenes → θ
+    dynamics    behaviors and monitors: the compiler and the virtual machine
 
 Read next: `loader`, `values.graph`, `scene.program`; then `tests/reference/interpreter.py`.
 """

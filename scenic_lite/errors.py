@@ -1,6 +1,6 @@
-"""The exception of the language: the error, its place, and how to correct it.
+"""The exception of the language: the error, its place, and a hint for its correction.
 
-Read next: `syntax.lexer`, which raises the first of them.
+Read next: `syntax.lexer`, which raises the first such errors.
 """
 
 from __future__ import annotations
@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-SHOWN = 20  # further errors of the same text
-WIDEST = 160  # characters of a source line
+SHOWN = 20  # maximum number of further errors in a message
+WIDEST = 160  # maximum number of characters of a source line in a message
 
 
 class SourceSpan(NamedTuple):
-    """A stretch of program text. Lines count from 1, columns from 0 (as in Python's `ast`)."""
+    """A span of program text. Lines count from 1, columns from 0 (as in Python's `ast`)."""
 
     file: str
     line: int
@@ -27,8 +27,8 @@ class ScenicError(Exception):
 
     `kind` is one of `syntax`, `name`, `type`, `value`, `specifier`, `random-control-flow`, `rejection`,
     `budget`, `import`, `unsupported`, or `warning` for a probable mistake. `str()` gives
-    `file:line:column: message (hint)`, then the source line with the error underlined; columns are printed from 1.
-    `also` holds further errors found at the same time, which `str()` appends.
+    `file:line:column: message (hint)`, then the source line with the error underlined. Printed columns count from 1.
+    `also` holds further errors found at the same time; `str()` appends them.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class ScenicError(Exception):
         source_line: str = "",
         notes: Iterable[str] = (),
     ) -> None:
-        super().__init__(kind, message)  # the constructor's arguments, so that errors can be pickled between processes
+        super().__init__(kind, message)  # the constructor's arguments, so that errors can be pickled
         self.kind = kind
         self.message = message
         self.place = place
@@ -74,18 +74,18 @@ class ScenicError(Exception):
     def _underlined(self, place: SourceSpan) -> list[str]:
         text = self.source_line.rstrip("\n")
         end = place.end_column if place.end_line == place.line else len(text)
-        start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # of the visible part
+        start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # first column of the visible part
         text = text[start : start + WIDEST]
-        # Tabs stay tabs in the margin, so that the carets align with the text whatever the tab width.
+        # The margin keeps tabs, so that the carets align with the text for every tab width.
         margin = "".join(c if c == "\t" else " " for c in text[: place.column - start])
         carets = "^" * max(1, min(end, start + len(text)) - place.column)
         return ["    " + text, "    " + margin + carets]
 
 
 class UnsetVariable(ScenicError):
-    """A variable of a function is read before it has a value."""
+    """A function reads a variable before the variable has a value."""
 
 
 def harmless(text: str) -> str:
-    """Return a text without terminal control sequences, whatever the program contains."""
+    """Return a text without terminal control sequences, which an untrusted program may contain."""
     return "".join(each if each.isprintable() or each in "\n\t" else "\ufffd" for each in text)

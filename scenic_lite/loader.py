@@ -1,7 +1,6 @@
 """Load a program: parse it, walk its tree once, and pass the result to `Program`.
 
-The evaluation itself is in `scope`, `expressions`, `calls`, `statements` and `modules`. Read next:
-`core.scope`.
+`core.scope` and the modules of `evaluation` contain the evaluation itself. Read next: `core.scope`.
 """
 
 from __future__ import annotations
@@ -35,16 +34,17 @@ def load(
 ) -> Program:
     """Read a Scenic program.
 
-    A Path, or a str that names an existing file or ends in `.scenic`, is read; another str is program text.
+    `source` is a file if it is a Path, the name of an existing file, or a str that ends in `.scenic`. Any other str is
+    program text.
 
-    `dialect` is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). Without it, a first line `# scenic: 2` or
-    `# scenic: 3` decides; without that, a program that makes its objects with `new` is of dialect 3, any other of 2.
-    `scenario` names the modular scenario to run; without it, that is `Main`, or the only one. `params` are global
-    parameters that override those of the program. `model` is a module whose names replace those of the program's own
-    `model` statement or of the domain's default model.
+    `dialect` is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). By default, a first line `# scenic: 2` or
+    `# scenic: 3` determines it. Without such a line, a program that creates objects with `new` has dialect 3, any
+    other program dialect 2. `scenario` names the modular scenario to run; the default is `Main`, or the only scenario.
+    `params` are global parameters that override those of the program. `model` names a module that replaces the
+    program's own `model` statement or the domain's default model.
 
     Raises:
-        ScenicError: any error in the program; it has a place in the text.
+        ScenicError: any error in the program, with its place in the text.
         ValueError: an argument with an invalid value.
         TypeError: an argument of an invalid type.
     """
@@ -60,7 +60,7 @@ def load(
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
-    warnings = {(slip.place, slip.message): slip for slip in state.warnings + state.diagnostics}  # each once
+    warnings = {(slip.place, slip.message): slip for slip in state.warnings + state.diagnostics}  # without duplicates
     return Program(mode, own, text, tuple(warnings.values()))
 
 
@@ -83,7 +83,7 @@ def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
 
 
 def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | None:
-    """Return the main scenario among those of the program's own file."""
+    """Return the main scenario of the program's own file, if it has one."""
     known = {scenario.name: scenario for scenario in state.scenarios if scenario.scope.source is source}
     if name is not None:
         if name not in known:
@@ -117,7 +117,7 @@ def override(state: LoadState, file: str, params: Mapping[str, object], model: s
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value could also be written in a program."""
+    """Return whether a program could contain the value as a literal."""
     if isinstance(value, list | tuple):
         return all(is_plain(part) for part in value)
     if isinstance(value, dict):
@@ -126,7 +126,7 @@ def is_plain(value: object) -> bool:
 
 
 def warn_of_overrides(state: LoadState, own: Source) -> None:
-    """Warn about a caller's parameter that the program never sets, if its name is similar to one that it sets."""
+    """Warn about a caller's parameter that the program never sets but whose name resembles a parameter that it sets."""
     unset = own.start
     known = {name for name, place in state.param_places.items() if place != unset}
     known |= state.domain.params if state.domain else frozenset()
@@ -138,9 +138,9 @@ def warn_of_overrides(state: LoadState, own: Source) -> None:
 
 
 def refuse_without_ego(state: LoadState, source: Source) -> None:
-    """Raise ScenicError, at its first object, for a program that needs an ego and sets none.
+    """Raise ScenicError, at the first object, if the program needs an ego and sets none.
 
-    Dialect 3 needs an ego only for visibility, dialect 2 always, except in a scenario whose compose block sets it.
+    Dialect 3 needs an ego only for visibility. Dialect 2 always needs one, except in a scenario with a compose block.
     """
     if state.dialect == 2:
         needed = state.main is None or not state.main.behavior.scenario.compose
@@ -154,7 +154,7 @@ def refuse_without_ego(state: LoadState, source: Source) -> None:
 
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:
-    """Return text, printed name, and folder of a source."""
+    """Return the text, the displayed name and the folder of a source."""
     if not isinstance(source, str | Path):
         raise TypeError(f"load takes the path or the text of a program, not {type(source).__name__}")
     if isinstance(source, Path) or source.endswith(".scenic") or is_file(source):
@@ -173,7 +173,7 @@ def is_file(source: str) -> bool:
 
 
 def load_mode(domain: Domain | None, dialect: int) -> Mode:
-    """Return the mode of a load, with the names of the language and without a program."""
+    """Return the initial mode of a load, with only the names of the language."""
     state = LoadState(domain, dialect)
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
     handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)

@@ -1,1 +1,1 @@
-"""The basis of the language: scopes, types, budgets, runtime checks, the domain."""
+"""The basis of the language: scopes, types, budgets, runtime checks, and the domain."""

@@ -1,4 +1,4 @@
-"""Limits on the resources of a program while it is loaded and sampled: an untrusted file can only waste time.
+"""Resource limits of a program during loading and sampling: an untrusted file can only waste time.
 
 Every limit has its own message. Read next: `core.scope`, which counts the steps.
 """
@@ -15,17 +15,17 @@ from scenic_lite.errors import ScenicError
 class Limits:
     """The limits of one program."""
 
-    steps: int = 200_000  # evaluated nodes of the tree, loops and calls counted each time
-    calls: int = 40  # nested function calls; Python's own stack ends soon after
-    elements: int = 100_000  # of one list, tuple, dict or range
-    memory: int = 10_000_000  # elements and characters created in all
-    characters: int = 1_000_000  # of one text
-    bits: int = 4096  # of one integer
-    objects: int = 400  # each pair of them is tested for overlap
+    steps: int = 200_000  # evaluations of tree nodes, also repeated ones in loops and calls
+    calls: int = 40  # nested function calls; Python's own stack allows only a few more
+    elements: int = 100_000  # in one list, tuple, dict or range
+    memory: int = 10_000_000  # total of created elements and characters
+    characters: int = 1_000_000  # in one text
+    bits: int = 4096  # in one integer
+    objects: int = 400  # every pair of objects is tested for overlap
     draws: int = 2000  # random values
-    operations: int = 20_000  # on random values; each costs an array operation per batch
-    scene: int = 20_000  # steps in one scene of a condition that is evaluated scene by scene
-    scenes: int = 2_000_000  # and in all scenes of one call of Program: some seconds
+    operations: int = 20_000  # operations on random values; each costs one array operation per batch
+    scene: int = 20_000  # steps per scene of a condition that is evaluated scene by scene
+    scenes: int = 2_000_000  # such steps in all scenes of one call of Program: a few seconds
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Budget:
     steps: int = 0
     memory: int = 0
     calls: int = 0
-    scenes: int = 0  # steps in single scenes since `new_call`
+    scenes: int = 0  # steps of scene-by-scene evaluation since `new_call`
     task: str = "to load"
 
     def step(self) -> None:
@@ -45,15 +45,15 @@ class Budget:
             raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
 
     def round(self) -> None:
-        """Count a round of a loop that may be infinite."""
+        """Count one iteration of a potentially infinite loop."""
         self.step()
 
     def new_call(self, scenes: int = 0) -> None:
-        """Reset the counts of scene-by-scene evaluation for a new request, which may reject many scenes."""
+        """Reset the count of scene-by-scene evaluation; many requested scenes may be rejected and allow extra steps."""
         self.scenes = -scenes * self.limits.scene // 4
 
     def scene(self) -> Budget:
-        """Return the budget of evaluation in one scene."""
+        """Return the budget for the evaluation of one scene."""
         return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
 
     def charge(self, scene: Budget) -> None:
@@ -92,7 +92,7 @@ class Budget:
         self.memory -= len(container)
 
     def whole(self, value: object) -> None:
-        """Count the elements that Python visits to compare or hash a value: a shared part is visited each time."""
+        """Count the elements that Python visits to compare or hash a value, with every visit to a shared part."""
         if not isinstance(value, list | tuple | dict):
             return
         count, pending = 0, [value]
@@ -129,5 +129,5 @@ class Budget:
 
 
 def exceeded(what: str) -> ScenicError:
-    """Return the error for an exceeded limit; the caller adds the place."""
+    """Return the error for an exceeded limit; the caller adds the place of the error."""
     return ScenicError("budget", f"evaluation budget exceeded: {what}")

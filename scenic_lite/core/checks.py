@@ -1,7 +1,7 @@
-"""Arithmetic faults that array operations ignore: places where a program may divide by zero, and in which scenes.
+"""Arithmetic faults that array operations ignore, such as a division by zero: their places and their scenes.
 
-The walk over the tree registers every random value whose operation can fail (`note`), with its place and the conditions
-under which it is evaluated; `CheckResults` finds the scenes of a batch in which one fails. Read next: `scene.program`.
+`RuntimeChecks.note` registers every random value whose operation can fail, with its place and the conditions of its
+evaluation. `CheckResults` finds the scenes of a batch in which such an operation fails. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, Tape, Value
 from scenic_lite.values.operations import Operation, row_of
 
-PARTS = 8  # of a result that are checked: those of a vector, of divmod()
+PARTS = 8  # maximum number of checked parts of a result, such as a vector or divmod()
 
 
-FAULTS = (  # our own errors, and those of Python's operators and methods
+FAULTS = (  # our own errors, and the exceptions of Python's operators and methods
     ScenicError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError,
 )  # fmt: skip
 
 
 def as_error(fault: BaseException) -> ScenicError:
-    """Return a `ScenicError` for a fault of Python's operators and methods; a `ScenicError` is returned unchanged."""
+    """Convert an exception of Python's operators and methods to a `ScenicError`; return a `ScenicError` unchanged."""
     if isinstance(fault, ScenicError):
         return fault
     if isinstance(fault, RecursionError):
@@ -42,19 +42,19 @@ def as_error(fault: BaseException) -> ScenicError:
 
 
 class FallibleOperation:
-    """An operation on arrays [N] that can report in which rows it fails."""
+    """An operation on arrays [N] that can report the rows in which it fails."""
 
     def fails(self, result: Any, *inputs: Any) -> Any:
-        """Return the rows [N] in which it fails."""
+        """Return the rows [N] in which the operation fails."""
         raise NotImplementedError
 
     def error(self, row: int, *inputs: Any) -> ScenicError:
-        """Return the error of a row that fails."""
+        """Return the error of a failing row."""
         raise NotImplementedError
 
 
 class FallibleRow(FallibleOperation):
-    """A row of the table of operations that can fail: division, the root of a negative number."""
+    """A fallible operation from the table of operations, such as division or the square root."""
 
     def __init__(self, operation: Operation) -> None:
         assert operation.fails is not None
@@ -77,7 +77,7 @@ class FallibleRow(FallibleOperation):
 
 
 def fallible(operation: Callable[..., Any] | None) -> FallibleOperation | None:
-    """Return the description of an operation's failures, if it can fail."""
+    """Return the operation as a `FallibleOperation`; None if it cannot fail."""
     if isinstance(operation, FallibleOperation):
         return operation
     row = row_of(operation)
@@ -86,10 +86,10 @@ def fallible(operation: Callable[..., Any] | None) -> FallibleOperation | None:
 
 @dataclass(eq=False)
 class Check:
-    """A random value that may fail: its place, and when the program evaluates it.
+    """A random value whose computation may fail: its place, and the conditions of its evaluation.
 
-    `guards` are conditions and their required values; `requirement` is the number of the requirement that evaluates it,
-    or None for a value that every scene computes before any rule is tested.
+    `guards` are conditions and their required values. `requirement` is the index of the requirement that evaluates the
+    value; None if every scene computes the value before any rule is tested.
     """
 
     node: RandomExpr
@@ -101,16 +101,16 @@ class Check:
 
 @dataclass
 class RuntimeChecks:
-    """The checks that a load has registered so far, and its current place."""
+    """The checks that a load has registered so far, and the guards and requirement of the code under evaluation."""
 
     checks: dict[int, Check] = field(default_factory=dict)
-    unplaced: list[Check] = field(default_factory=list)  # until the enclosing expression ends
+    unplaced: list[Check] = field(default_factory=list)  # checks without a place until the enclosing expression ends
     guards: list[tuple[Value, bool]] = field(default_factory=list)
     requirement: int | None = None
 
     @contextmanager
     def within(self, requirement: int) -> Iterator[None]:
-        """Register checks inside the context as those of a requirement."""
+        """Assign checks registered inside the context to a requirement."""
         before, self.requirement = self.requirement, requirement
         try:
             yield
@@ -119,7 +119,7 @@ class RuntimeChecks:
 
     @contextmanager
     def under(self, *guards: tuple[Value, bool]) -> Iterator[None]:
-        """Restrict checks inside the context to scenes in which these conditions have the given values."""
+        """Restrict checks registered inside the context to scenes in which the conditions have the given values."""
         self.guards += guards
         try:
             yield
@@ -127,7 +127,7 @@ class RuntimeChecks:
             del self.guards[len(self.guards) - len(guards) :]
 
     def note(self, result: Value, ways: Iterable[tuple[Value, bool]] = ()) -> None:
-        """Register a result, if its operation, or that of a part or an input, can fail."""
+        """Register a check if the operation of the result, of one of its parts or of one of its inputs can fail."""
         if isinstance(result, RandomExpr):
             nodes = [result, *result.inputs]
         else:
@@ -140,14 +140,14 @@ class RuntimeChecks:
                 self.unplaced.append(check)
 
     def place(self, place: SourceSpan, line: str) -> None:
-        """Give the checks registered since then a place."""
+        """Set the place of all checks that have no place yet."""
         for check in self.unplaced:
             check.place, check.line = place, line
         self.unplaced.clear()
 
 
 class TapeCheck(NamedTuple):
-    """A check that the scenes of a program depend on; `rule`: the rule that fails with it, None for none."""
+    """A check that affects the scenes of a program; `rule`: the index of the rule that fails with it, or None."""
 
     check: Check
     operation: FallibleOperation
@@ -155,7 +155,7 @@ class TapeCheck(NamedTuple):
 
 
 def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> list[TapeCheck]:
-    """Return the checks of values on a tape; `rules` gives the rule of each requirement, None if it always holds."""
+    """Return the checks of the values on a tape; `rules` maps each requirement to its rule, None if it always holds."""
     on_tape = []
     for check in checks:
         operation = fallible(check.node.operation)
@@ -166,7 +166,7 @@ def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> l
 
 
 class CheckResults:
-    """The failures in one batch of scenes; a rule [R, N] whose condition fails is violated there."""
+    """The failures in one batch of scenes; a scene violates a rule of `failed` [R, N] whose condition fails in it."""
 
     def __init__(self, checks: list[TapeCheck], tape: Tape, registers: list[Any], failed: np.ndarray) -> None:
         self._tape, self._registers = tape, registers
@@ -188,15 +188,15 @@ class CheckResults:
 
     @property
     def in_values(self) -> np.ndarray | np.bool_:
-        """[N]: the scenes with a value that cannot be computed."""
+        """[N] bool: the scenes with a value that cannot be computed."""
         own = [mask for check, mask in self._masks if check.check.requirement is None]
         return np.logical_or.reduce(own) if own else np.False_
 
     def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:
-        """Raise the ScenicError of a scene that was `drawn` [N] and in which the program fails before a rejection.
+        """Raise the first ScenicError of a scene that is `drawn` [N] and fails before it is rejected.
 
-        `broken` [N, R] are the active rules that the scenes violate. As in Scenic, all values are computed first; a
-        requirement is evaluated if every rule before it holds.
+        `broken` [N, R] are the active rules that the scenes violate. As in Scenic, all values are computed first. A
+        requirement is evaluated only if every earlier rule holds.
         """
         for (check, operation, rule), mask in self._masks:
             rows = mask & drawn
@@ -210,6 +210,6 @@ class CheckResults:
 
 
 def reaches(tape: Tape, check: Check) -> bool:
-    """Return whether the tape computes the value and the conditions of its evaluation."""
+    """Return whether the tape computes the value and its guards."""
     needed = [check.node, *(condition for condition, _ in check.guards if isinstance(condition, RandomExpr))]
     return all(tape.find(value) is not None for value in needed)

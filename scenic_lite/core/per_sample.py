@@ -1,6 +1,6 @@
-"""Conditions that arrays cannot evaluate: requirements whose functions branch or loop on random values, row by row.
+"""Row-by-row evaluation of requirements whose functions branch or loop on random values.
 
-They are slow, since each sample walks the tree again. Read next: `scene.constraints`.
+It is slow, since every sample requires another walk over the tree. Read next: `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ COST = 4  # elements of memory charged for one stored name
 
 
 def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
-    """Return the truth of a condition for each sample, evaluated one after the other."""
+    """Return the truth of a condition as a node that evaluates the samples one by one."""
     columns = tuple(columns_of(*(random for value in mentioned(scope, node) for random in randoms_in(value))))
     return RandomExpr(PerSampleCondition(scope, node, columns), columns, "truth")
 
 
 class PerSampleCondition(FallibleOperation):
-    """A condition evaluated scene by scene: a tree, and the draws that it depends on; columns [N] -> truth [N].
+    """A condition evaluated scene by scene: a tree and the draws on which it depends; columns [N] -> truth [N].
 
     An error in a scene, such as a division by zero, makes the scene invalid; `Program.sample` raises it.
     """
@@ -56,7 +56,7 @@ class PerSampleCondition(FallibleOperation):
 
     @contextmanager
     def only(self, rows: np.ndarray) -> Iterator[None]:
-        """Evaluate only these rows [N] inside the context; the condition counts as violated in the others."""
+        """Evaluate only these rows [N] inside the context; the condition counts as violated in all other rows."""
         self._rows = rows
         try:
             yield
@@ -73,7 +73,7 @@ class PerSampleCondition(FallibleOperation):
         return holds
 
     def _holds(self, row: int, draws: list[Value]) -> bool:
-        """Return the truth for these values of the draws of a row; False if the evaluation fails."""
+        """Return the truth of the condition for the draws of one row; False if the evaluation fails."""
         budget = self.scope.mode.budget.scene()
         mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
         try:
@@ -104,9 +104,9 @@ class PerSampleCondition(FallibleOperation):
 
 # ------------------------------------------------------------ values of names at a statement
 class Bindings:
-    """All names visible in `scope`, also for the functions of its module that a condition may call.
+    """The values of all names visible in `scope`, including the names of functions that a condition may call.
 
-    A requirement uses the values of its names at its statement; later assignments have no effect.
+    A requirement uses the values that its names have at its statement; later assignments have no effect.
     """
 
     def __init__(self, scope: Scope) -> None:
@@ -117,7 +117,7 @@ class Bindings:
 
     @contextmanager
     def restored(self, state: LoadState) -> Iterator[None]:
-        """Restore every name inside the context to its value when this object was made."""
+        """Set every name inside the context to its value at the creation of this object."""
         now = [(scope, dict(scope)) for scope, _ in self.kept]
         tracked = state.ego, state.workspace
         state.ego, state.workspace = self.ego, self.workspace
@@ -130,7 +130,7 @@ class Bindings:
 
 
 def scopes_of(scope: Scope) -> list[Names]:
-    """Return the dictionaries in which names are looked up, innermost first."""
+    """Return the dictionaries of the name lookup, innermost first."""
     scopes = [at.locals for at in scope.outwards()]
     return scopes if scopes[-1] is scope.module_names else [*scopes, scope.module_names]
 
@@ -143,13 +143,13 @@ def put_back(kept: list[tuple[Names, Names]]) -> None:
 
 # ------------------------------------------------------------ dependencies of a condition
 def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
-    """Return the values that an expression may read: those of its names, of its functions' names, and of the ego."""
+    """Return the values that an expression may read: the ego, its names, and the names in its functions."""
     values = [scope.state.ego] if scope.state.ego is not None else []
     return values + reached([(scope, node)])
 
 
 def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
-    """Return the values of all names in some trees, and in the functions and behaviors that they refer to."""
+    """Return the values of all names in the trees, and in the functions and behaviors to which the trees refer."""
     values: list[Value] = []
     seen: set[int] = set()
     while pending:
@@ -170,7 +170,7 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
 def names_in(tree: ast.AST) -> frozenset[tuple[str, ...]]:
-    """Return the names in a tree, and the paths that begin with one: `lib`, `lib.far`."""
+    """Return the names in a tree, and the attribute paths that begin with a name: `lib`, `lib.far`."""
     return frozenset(path for node in ast.walk(tree) if (path := path_of(node)))
 
 
@@ -183,7 +183,7 @@ def path_of(node: ast.AST) -> tuple[str, ...]:
 
 
 def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
-    """Return the value of a path of modules and classes; None if it leaves them, or has no value yet."""
+    """Return the value of a path through modules and classes; None for any other path, or without a value yet."""
     value = next((at.locals[path[0]] for at in scope.outwards() if path[0] in at.locals), None)
     value = scope.module_names.get(path[0]) if value is None else value
     for name in path[1:]:
@@ -200,7 +200,7 @@ def members_of(instance: Instance) -> list[Value]:
 
 
 def definitions_in(value: Value) -> Iterator[Definition]:
-    """Return the functions and behaviors that a value is or contains, including methods of objects."""
+    """Yield the functions and behaviors in a value, including the methods of objects."""
     parts: Iterable[Value] = ()
     if isinstance(value, Definition):
         yield value

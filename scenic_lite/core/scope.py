@@ -1,7 +1,7 @@
-"""Names together with a mode of evaluation: a Scope computes every value of a program.
+"""Names combined with a mode of evaluation: a Scope computes every value of a program.
 
-`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of the mode's handlers; every error
-passes through this module and receives its place in the program. Read next: `evaluation.expressions`.
+`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of the mode's handlers. Every error
+passes through this module, which adds its place in the program. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
 CONTAINERS = (list, tuple, dict, str, range)
-LARGEST_NAMED = 100  # elements of a container
+LARGEST_NAMED = 100  # maximum number of named elements of a container
 
 
 class Scope(Environment):
-    """An environment in a mode, which evaluates nodes at one point of the program."""
+    """An environment with a mode; it evaluates nodes at one point of the program."""
 
     __slots__ = ("handlers", "mode", "state")
 
@@ -35,7 +35,7 @@ class Scope(Environment):
         self.mode, self.state, self.handlers = mode, mode.state, mode.handlers
 
     def inner(self, names: dict[str, Value]) -> Scope:
-        """Return a scope for a comprehension or class body inside this one."""
+        """Return a scope for a comprehension or class body inside this scope."""
         return Scope(self.mode, self.source, names, self)
 
     @staticmethod
@@ -51,19 +51,19 @@ class Scope(Environment):
         return scope
 
     def requiring(self) -> Scope:
-        """Return the same names, inside a requirement."""
+        """Return the same names in the mode of a requirement."""
         return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
 
     def along(self, path: BranchPath) -> Scope:
-        """Return the same names, where branches on random values follow a path."""
+        """Return the same names in a mode whose branches on random values follow a path."""
         return Scope.at(replace(self.mode.requiring(), path=path), self)
 
     def owning(self, instance: Instance, name: str) -> Scope:
-        """Return the same names; values drawn inside belong to `instance.name`."""
+        """Return the same names in a mode whose draws belong to `instance.name`."""
         return Scope.at(self.mode.with_owner(instance, name), self) if self.mode.phase == LOAD else self
 
     def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
-        """Return a new random value. Raises ScenicError inside a requirement, where draws are not allowed."""
+        """Draw a new random value. Raises ScenicError inside a requirement, which must not draw."""
         column = self.mode.draw(kind, place, offset, span)
         if self.mode.owner is not None:
             column.owner = self.mode.owner
@@ -72,7 +72,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ evaluation
 
     def value(self, node: ast.expr) -> Value:
-        """Evaluate an expression; every error receives a place."""
+        """Evaluate an expression; every error gets a place."""
         self.mode.budget.step()
         handler = self.handlers.expressions.get(type(node))
         if handler is None:
@@ -86,12 +86,12 @@ class Scope(Environment):
             raise self.placed(as_error(fault), node) from None
 
     def operands(self, nodes: Iterable[ast.expr | None]) -> list[Value]:
-        """Return the values of the operands of an operator in words, None for an omitted one."""
+        """Return the operand values of a word operator; None for an omitted operand."""
         return [None if node is None else self.value(node) for node in nodes]
 
     @staticmethod
     def refuse_none(nodes: Iterable[ast.expr | None], values: Iterable[Value]) -> None:
-        """Raise ScenicError if a written operand is None, which would be taken for an omitted one."""
+        """Raise ScenicError if a written operand is None, since None denotes an omitted operand."""
         if any(value is None and node is not None for node, value in zip(nodes, values, strict=True)):
             raise ScenicError("type", "None is not an object, a number or a vector")
 
@@ -111,7 +111,7 @@ class Scope(Environment):
                 raise self.placed(as_error(fault), node) from None
 
     def truth(self, node: ast.expr) -> bool:
-        """Return the truth of a condition of control flow, which must not be random."""
+        """Return the truth of a control-flow condition, which must not be random."""
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
@@ -123,7 +123,7 @@ class Scope(Environment):
         return bool(value)
 
     def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
-        """Raise the error for control flow on a random value, with notes on the branch and the draw."""
+        """Raise ScenicError if the value is random, with a note on each draw; control flow must not depend on it."""
         value = value.index if isinstance(value, RandomChoice) else value
         if isinstance(value, RandomExpr):
             hint = "write it in `require`, or decide in a behavior"
@@ -134,7 +134,7 @@ class Scope(Environment):
             self.refuse_random(value, node, message)
 
     def refuse_comparison(self, node: ast.AST, *values: Value) -> None:
-        """Raise the error for a comparison of random values, unless it is part of a requirement."""
+        """Raise ScenicError for a comparison of random values outside a requirement."""
         if not self.mode.symbolic:
             self.refuse_random_in(values, node, "random values cannot be compared here")
 
@@ -150,7 +150,7 @@ class Scope(Environment):
         return self.handlers.call(self, function, arguments, keywords, node)
 
     def elements(self, value: Value, node: ast.AST) -> list:
-        """Return the elements of a container that is not random."""
+        """Return the elements of a container, which must not be random."""
         self.refuse_random(value, node, "cannot iterate through a random value")
         if isinstance(value, Vector):
             return [value.x, value.y]
@@ -163,7 +163,7 @@ class Scope(Environment):
         return list(value) if row is None else [in_row(element, row) for element in value]
 
     def bindings(self, generators: list[ast.comprehension]) -> Iterator[Scope]:
-        """Yield a scope for each round of a comprehension."""
+        """Yield a scope for each iteration of a comprehension."""
         first, *rest = generators
         for element in self.elements(self.value(first.iter), first.iter):
             inner = self.inner({})
@@ -178,7 +178,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ places and errors
 
     def watch(self, result: Value) -> None:
-        """Register a result that cannot be computed in some scenes."""
+        """Register a check of a result that may fail in some scenes."""
         if self.mode.row is None:
             path = self.mode.path
             self.state.watching.note(result, () if path is None else zip(path.conditions, path.decisions, strict=False))
@@ -195,7 +195,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ names
 
     def lookup(self, name: str) -> Value:
-        """Return the value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
+        """Return the value of a name. Raises ScenicError of kind `name`, with the nearest spelling as a hint."""
         for at in self.outwards():
             if name in at.locals:
                 return at.locals[name]
@@ -211,7 +211,7 @@ class Scope(Environment):
         raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
 
     def _where(self, name: str) -> str:
-        """Return a hint for a name without a value: its owner, or the nearest spelling."""
+        """Return a hint for an undefined name: its owner, or the nearest spelling."""
         if name in ("wait", "terminate", "abort"):
             return f"write `{name}` without brackets"
         owner = next((scenario for scenario in self.state.scenarios if name in scenario.assigned), None)
@@ -231,7 +231,7 @@ class Scope(Environment):
 
 
 def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
-    """Return a value in one sample."""
+    """Return the value that a random value has in one sample."""
     if isinstance(value, Vector) and not value.fixed:
         return Vector(in_row(value.x, row), in_row(value.y, row))
     if isinstance(value, RandomChoice):
@@ -248,20 +248,20 @@ def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
 
 
 def one_row(value: Value) -> Any:
-    """Return a value of one sample as an operation's argument: an array of one, or several if it has parts."""
+    """Return a value of one sample as an operation's argument: an array of one element, or one array per part."""
     if isinstance(value, tuple):
         return tuple(np.array([part]) for part in value)
     return np.array([value], dtype=object if isinstance(value, str) else None)
 
 
 def name_draws(name: str, value: Value, inside: bool = False) -> None:
-    """Name a draw or object by the first variable that holds it; `inside` a container only draws without an owner."""
+    """Name a draw or object after its first variable; `inside` a container, name only draws without an owner."""
     if isinstance(value, RandomChoice):
         value = value.index
     elif isinstance(value, Vector) and isinstance(value.x, RandomExpr) and is_choice(value.x.inputs[:1]):
-        value = value.x.inputs[0]  # of `Uniform(1 @ 2, 3 @ 4)`
+        value = value.x.inputs[0]  # the index of `Uniform(1 @ 2, 3 @ 4)`
     if isinstance(value, RandomExpr):
-        column = value.drawn  # of `Range(0, 1)`, `Uniform(1, 2)` ...
+        column = value.drawn  # the column of `Range(0, 1)`, `Uniform(1, 2)` ...
         if column is not None and column.shown is value and not (inside and column.owner):
             column.name = column.name or name
     elif isinstance(value, Instance):
@@ -272,13 +272,13 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
 
 
 def is_choice(inputs: tuple) -> bool:
-    """Return whether the first input of a coordinate is the index of a draw among vectors."""
+    """Return whether the first input of a coordinate is the index of a random choice among vectors."""
     column = inputs[0].drawn if inputs and isinstance(inputs[0], RandomExpr) else None
     return column is not None and bool(column.options)
 
 
 def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
-    """Return the parts of a vector or container, named as a program would name them; only some of a large one."""
+    """Return the parts of a vector or container with their names in a program; only the first of a large container."""
     if isinstance(value, Vector):
         return [(f"{name}.x", value.x), (f"{name}.y", value.y)]
     if isinstance(value, dict):
@@ -291,5 +291,5 @@ def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
 
 
 def no_condition(scope: Scope, node: ast.AST) -> ScenicError:
-    """Return the error for a behavior used as a condition: a missing `do`."""
+    """Return the error for a behavior call in a condition."""
     return scope.error("type", "a behavior cannot be called in a condition", node)

@@ -1,7 +1,7 @@
 """The state of a load, the handlers of nodes, and the mode in which they are evaluated.
 
-Nothing in this module is replaced while a program runs: an episode, the compiler and each single scene have their own
-`Mode`, which is part of the scopes. Read next: `core.scope`.
+An episode, the compiler and each single scene have their own `Mode`, which is part of the scopes. A running program
+replaces nothing in this module. Read next: `core.scope`.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 from scenic_lite.values.regions import Region
 
 LOAD, SAMPLE, EPISODE, COMPILE = "load", "sample", "episode", "compile"  # phases of a Mode
-MOST_BRANCHES = 8  # on random values, in one function
+MOST_BRANCHES = 8  # maximum number of branches on random values in one function
 
 
 @dataclass
 class Requirement:
-    """One `require`: its condition over the samples."""
+    """One `require` statement with its condition over the samples."""
 
     label: str
     place: SourceSpan
@@ -36,9 +36,9 @@ class Requirement:
 
 
 class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ that determine it; the region has the inverse map.
+    """A point drawn from a region, and the columns of θ that determine the point; the region has the inverse map.
 
-    `whole` is the region in the program, if only a part of it is used.
+    `whole` is the region in the program if the point is drawn from only a part of it.
     """
 
     region: Region
@@ -48,26 +48,26 @@ class DrawnPoint(NamedTuple):
 
 
 class VisibilityDemand(NamedTuple):
-    """The demand of an object's specifier: that `viewer` sees it, or that it does not."""
+    """The demand of an object's specifier that `viewer` sees the object, or does not see it."""
 
     viewer: Instance
     visible: bool
 
 
 class EpisodeStatement(NamedTuple):
-    """A statement about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
+    """A statement about the whole episode, with its visible names: `terminate`, `record`, `require always`."""
 
     tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
     place: SourceSpan
     scope: Environment
-    label: str = ""  # its name, or its text
+    label: str = ""  # its name, or its source text
     bindings: Any = None  # `Bindings` of a requirement, which keep the values of its names
-    duration: Value = None  # of a `terminate after`; if it is the program's own, draws are columns of θ
+    duration: Value = None  # of a `terminate after`; draws in the program's own one are columns of θ
 
 
 @dataclass(eq=False)
 class LoadState:
-    """All objects that the statements of one program have created so far."""
+    """Everything that the statements of one program have created so far."""
 
     domain: Domain | None
     dialect: int
@@ -76,7 +76,7 @@ class LoadState:
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
     visibility_demands: list[tuple[Instance, VisibilityDemand]] = field(default_factory=list)
-    conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
+    conditions: list[Callable[[], None]] = field(default_factory=list)  # callbacks that evaluate the requirements again
     columns: list[ThetaColumn] = field(default_factory=list)
     points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
@@ -85,7 +85,7 @@ class LoadState:
     records: list[EpisodeStatement] = field(default_factory=list)
     temporal: list[EpisodeStatement] = field(default_factory=list)
     scenarios: list[Behavior] = field(default_factory=list)
-    main: BehaviorCall | None = None  # the main modular scenario
+    main: BehaviorCall | None = None  # the call of the main modular scenario
     main_frame: Environment | None = None
     library_params: set[str] = field(default_factory=set)
     param_places: dict[str, SourceSpan] = field(default_factory=dict)
@@ -111,7 +111,7 @@ class LoadState:
 
     @contextmanager
     def with_location(self, place: SourceSpan | None) -> Iterator[None]:
-        """Give an error raised inside the context this place, unless it has one."""
+        """Set the place of an error that is raised inside the context without a place."""
         try:
             yield
         except ScenicError as error:
@@ -121,7 +121,7 @@ class LoadState:
             raise
 
     def clear_episode_statements(self) -> None:
-        """Start new lists of statements about the episode: later ones belong to another scenario."""
+        """Start new lists of episode statements, since later statements belong to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
 
     def copy_to_play(self) -> LoadState:
@@ -139,7 +139,7 @@ class LoadState:
 
     @contextmanager
     def own_ego(self) -> Iterator[None]:
-        """Hide the ego inside the context, for a module, whose ego dialect 3 uses if the program has none."""
+        """Hide the ego while a module is loaded; a program of dialect 3 without an ego takes the module's."""
         before, self.ego = self.ego, None
         try:
             yield
@@ -149,30 +149,30 @@ class LoadState:
 
 @dataclass(frozen=True)
 class Handlers:
-    """The meaning of each type of node, and of the language's own names."""
+    """The implementation of each type of node, and the built-in names of the language."""
 
     expressions: dict[type, Callable[..., Value]]  # (scope, node) -> value
     statements: dict[type, Callable[..., Any]]  # (scope, node)
     builtins: dict[str, Value]
     call: Callable[..., Value]  # (scope, function, arguments, keywords, node) -> value
     unpack: Callable[..., None]  # (scope, target, value)
-    undecided: Callable[..., Value] = for_each_option  # (function, place of the undecided value, arguments, keywords)
+    undecided: Callable[..., Value] = for_each_option  # (function, index of the undecided value, arguments, keywords)
 
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """How nodes are evaluated: while a program is loaded, in one sample, in an episode, or by the compiler.
+    """The mode of evaluation: while a program is loaded, in one sample, in an episode, or by the compiler.
 
     Attributes:
         phase: LOAD, SAMPLE, EPISODE or COMPILE.
         state: receives what statements create.
         budget: counts every step.
         draw: returns a new random value (kind, place, offset, span).
-        symbolic: comparisons and `and`, `or`, `not` of random values are values, not errors.
-        row: in one sample, the value of each random node.
-        path: in a function that branches on random values, the branches taken.
-        owner: the object and the property whose specifier is evaluated; it names the draws.
-        in_model: whether a `model` statement is executed, whose params are only defaults.
+        symbolic: whether comparisons and `and`, `or`, `not` of random values give values instead of errors.
+        row: the value of each random node, in one sample.
+        path: the branches taken, in a function that branches on random values.
+        owner: the object and the property whose specifier is being evaluated; they name the draws.
+        in_model: whether a `model` statement is being executed; params of a model are only defaults.
     """
 
     phase: str
@@ -187,11 +187,11 @@ class Mode:
     in_model: bool = False
 
     def requiring(self) -> Mode:
-        """Return the mode inside a requirement, where comparisons are symbolic and draws are not allowed."""
+        """Return the mode inside a requirement, with symbolic comparisons and without draws."""
         return self if self.symbolic else replace(self, symbolic=True, draw=refuse_draw)
 
     def with_owner(self, instance: Instance, name: str) -> Mode:
-        """Return the mode in which draws belong to `instance.name`."""
+        """Return this mode with draws that belong to `instance.name`."""
         mode = object.__new__(Mode)  # `replace` is ten times slower, and this runs for every property
         vars(mode).update(vars(self), owner=(instance, name))
         return mode
@@ -207,14 +207,14 @@ def refuse_draw(*_: Any) -> ThetaColumn:
 
 
 class BranchPath:
-    """One path through a function that branches on random values: given decisions, then True; and the conditions."""
+    """One path through a function that branches on random values: given decisions, then always True; its conditions."""
 
     def __init__(self, decisions: list[bool]) -> None:
         self.decisions = decisions
         self.conditions: list[Value] = []
 
     def branch(self, condition: Value) -> bool:
-        """Return the decision at the next branch."""
+        """Record the condition of the next branch and return the decision."""
         if len(self.conditions) >= MOST_BRANCHES:
             message = f"a field's function decides on its point more than {MOST_BRANCHES} times"
             raise ScenicError("random-control-flow", message, hint="write a formula, or a field for each region")

@@ -1,6 +1,6 @@
-"""Types of Scenic values besides numbers, texts and Python containers, and the environments of names.
+"""The types of Scenic values other than numbers, texts and Python containers, and the environments of names.
 
-A function keeps the environment of its definition; the `Scope` of the call determines how its body is evaluated.
+A function keeps the environment of its definition; the `Scope` of the call determines the evaluation of its body.
 Read next: `core.state`, `core.scope`; `language.classes`, the built-in classes.
 """
 
@@ -29,8 +29,8 @@ class Source:
 
     file: str
     lines: tuple[str, ...]
-    folder: Path | None  # where the program's modules are searched
-    library: bool  # whether it belongs to the domain, not to the user
+    folder: Path | None  # the search path of the program's modules
+    library: bool  # whether the file belongs to the domain, not to the user
 
     @property
     def start(self) -> SourceSpan:
@@ -41,7 +41,7 @@ class Source:
 
 
 class Environment:
-    """The variables of one module, function, comprehension or class body, inside the enclosing ones."""
+    """The variables of one module, function, comprehension or class body, with a link to the enclosing environment."""
 
     __slots__ = ("assigned", "locals", "module_names", "outer", "source")
 
@@ -49,11 +49,11 @@ class Environment:
         self.source = source
         self.locals = names
         self.outer = outer
-        self.assigned: frozenset[str] = frozenset()  # a function's own names, even before they have a value
+        self.assigned: frozenset[str] = frozenset()  # a function's local names, even before they have a value
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def outwards(self) -> Iterator[Environment]:
-        """Yield this environment and the enclosing ones, innermost first; without the module's if it is missing."""
+        """Yield this environment and the enclosing ones, innermost first; the module's may be absent from the chain."""
         at: Environment | None = self
         while at is not None:
             yield at
@@ -70,7 +70,7 @@ class Environment:
         return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
 
     def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
-        """Give an error its place, unless it has one; a node without a text leaves that to the caller."""
+        """Set the place of an error without one; if the node has no place in the text, the caller sets it."""
         if error.place is None and "lineno" in vars(node):
             error.place = self.place(node)
             error.source_line = self.source.line(error.place.line)
@@ -88,9 +88,9 @@ def near(name: str, names: Iterable[str]) -> str:
 # ------------------------------------------------------------ values
 @dataclass(frozen=True, eq=False)
 class Default:
-    """One `property[attributes]: expression` line: `compute` returns the value for one object, reading its `needs`.
+    """One `property[attributes]: expression` line: `compute` returns the value for one object and reads its `needs`.
 
-    It also receives the scope of the statement that creates the object, and the property that owns its draws.
+    `compute` also receives the scope of the statement that creates the object, and the property that owns the draws.
     """
 
     compute: Callable[[Any, Instance, str], Value]
@@ -108,7 +108,7 @@ class ScenicClass:
     members: dict[str, Value] = field(default_factory=dict)
 
     def lineage(self) -> Iterator[ScenicClass]:
-        """Return the class and its bases, most derived first."""
+        """Yield the class and its bases, most derived first."""
         at: ScenicClass | None = self
         while at is not None:
             yield at
@@ -118,14 +118,14 @@ class ScenicClass:
         return any(cls is other for cls in self.lineage())
 
     def property_names(self) -> list[str]:
-        """Return every property with a default, the base's first."""
+        """Return the names of all properties with a default, the base's first."""
         names: dict[str, None] = {}
         for cls in reversed(list(self.lineage())):
             names.update(dict.fromkeys(cls.defaults))
         return list(names)
 
     def defaults_of(self, name: str) -> list[Default]:
-        """Return the defaults for one property, most derived first."""
+        """Return the defaults of one property, most derived first."""
         return [cls.defaults[name] for cls in self.lineage() if name in cls.defaults]
 
     def member(self, name: str) -> Value:
@@ -141,7 +141,7 @@ class Instance(Located):
 
     cls: ScenicClass
     place: SourceSpan
-    owner: Any = None  # (Instance, property) in whose specifiers it was created
+    owner: Any = None  # (Instance, property) whose specifier created it
     name: str = ""  # the first variable bound to it
     properties: dict[str, Value] = field(default_factory=dict)
     attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, without a property
@@ -152,27 +152,27 @@ class Instance(Located):
         return as_vector(self.properties["position"]) if "position" in self.properties else None
 
     def title(self) -> str:
-        """Return its name in reports: its variable, or its class."""
+        """Return the name in reports: the label, the variable, or the class."""
         return self.label or self.name or self.cls.name
 
 
 class Undecided:
-    """One of several values, or a list whose length a match decides; `Handlers.undecided` applies functions to it."""
+    """One of several values, or a list of undecided length; `Handlers.undecided` applies functions to either."""
 
 
 @dataclass(eq=False)
 class RandomChoice(Undecided, Located):
-    """A random one of several structured values (objects, regions, tuples); numbers, texts are `RandomExpr` instead."""
+    """A random choice among structured values (objects, regions, tuples); numbers and texts use `RandomExpr`."""
 
     index: RandomExpr
     options: tuple
 
     def map_options(self, results: list[Value]) -> Value:
-        """Return the same choice among `results`, one per option."""
+        """Return the same random choice among `results`, one per option."""
         return choose(self.index, results)
 
     def each(self, function: Callable[[Value], Value]) -> Value:
-        """Return the same choice among a function's results for the options."""
+        """Apply a function to every option and return the same random choice among the results."""
         return choose(self.index, [function(option) for option in self.options])
 
     def position_vector(self) -> Vector | None:
@@ -181,7 +181,7 @@ class RandomChoice(Undecided, Located):
 
 
 def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
-    """Return options[index], as simple a value as the options allow."""
+    """Return options[index] in the simplest form that the options allow."""
     kinds = {kind_of(option) for option in options}
     if "other" not in kinds and (len(kinds) == 1 or "text" not in kinds):
         return select(index, tuple(options))
@@ -193,9 +193,9 @@ def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
 
 
 def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
-    """Return a function that is mapped over the options of a random choice in one of these positions.
+    """Return a decorator: the function is mapped over the options of a random choice at one of these positions.
 
-    Its first argument is the scope, whose mode may handle the choice in another way, or refuse it.
+    The first argument of the function is the scope; its handlers may treat the choice differently or reject it.
     """
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
@@ -212,14 +212,14 @@ def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]],
 
 
 def for_each_option(function: Callable[..., Value], at: int, arguments: tuple, keywords: dict[str, Value]) -> Value:
-    """Return the same choice of a function's results, mapped over argument `at`."""
+    """Apply a function to every option of argument `at` and return the same random choice among the results."""
     before, after = arguments[:at], arguments[at + 1 :]
     return arguments[at].each(lambda option: function(*before, option, *after, **keywords))
 
 
 @dataclass(frozen=True, eq=False)
 class LazyValue:
-    """A value that depends on properties of the object under construction: `needs` names them."""
+    """A value that depends on properties (`needs`) of the object under construction."""
 
     needs: frozenset[str]
     compute: Callable[[Instance], Value]
@@ -232,8 +232,8 @@ SPREAD = Parameter.VAR_POSITIONAL
 class Definition:
     """A parameterized definition of a program: a function, a behavior, a monitor or a scenario.
 
-    `signature` holds the values of the defaults; `scope` is where the definition is; `assigned` are its local names
-    besides its parameters.
+    `signature` holds the values of the defaults. `scope` is the environment of the definition. `assigned` are the local
+    names besides the parameters.
     """
 
     name: str
@@ -246,16 +246,16 @@ class Definition:
         raise NotImplementedError
 
     def defaults(self) -> list[Value]:
-        """Return the values of the optional parameters."""
+        """Return the default values of the optional parameters."""
         return [p.default for p in self.signature.parameters.values() if p.default is not Parameter.empty]
 
     def required(self) -> list[str]:
-        """Return the required parameters."""
+        """Return the names of the required parameters."""
         parameters = self.signature.parameters.values()
         return [p.name for p in parameters if p.default is Parameter.empty and p.kind is not SPREAD]
 
     def bind(self, arguments: list, keywords: dict[str, Value]) -> dict[str, Value]:
-        """Return arguments by the names of the parameters. Raises ScenicError if they do not fit."""
+        """Return the arguments by parameter name. Raises ScenicError if they do not match the signature."""
         try:
             bound = self.signature.bind(*arguments, **keywords)
         except TypeError:
@@ -264,7 +264,7 @@ class Definition:
         return bound.arguments
 
     def _misfit(self, arguments: list, keywords: dict[str, Value]) -> ScenicError:
-        """Return the error for arguments that do not fit."""
+        """Return the error for arguments that do not match the signature."""
         names = [p.name for p in self.signature.parameters.values() if p.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
@@ -297,22 +297,22 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A function of the language, from our own tables; `needs_context`: it also receives the scope and the call."""
+    """A function of the language, from our own tables; with `needs_context` it also takes the scope and the call."""
 
     name: str
     function: Callable[..., Value]
     needs_context: bool = False
-    types: tuple[type, ...] = ()  # for `isinstance`, if the name is also a type
+    types: tuple[type, ...] = ()  # for `isinstance`, if the name also denotes a type
     over_choices: bool = True  # an argument that is a RandomChoice is mapped over its options
 
 
 def of_values(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Return functions of values alone, mapped over random choices."""
+    """Return built-ins that take only values and are mapped over random choices."""
     return {name: Builtin(name, function) for name, function in functions.items()}
 
 
 def needs_context(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Return functions that also receive the scope and the call."""
+    """Return built-ins that also take the scope and the call."""
     return {
         name: Builtin(name, function, needs_context=True, over_choices=False) for name, function in functions.items()
     }
@@ -320,7 +320,7 @@ def needs_context(**functions: Callable[..., Value]) -> dict[str, Builtin]:
 
 @dataclass(frozen=True, eq=False)
 class Namespace:
-    """An imported module, `globalParameters`, or the state of a game; `open`: a program may assign its names."""
+    """An imported module, `globalParameters`, or the state of a game; `open`: a program may assign to its names."""
 
     name: str
     names: dict[str, Value]
@@ -338,7 +338,7 @@ class Behavior(Definition):
 
     @property
     def kind(self) -> str:
-        """Return one of "behavior", "monitor" and "scenario"."""
+        """Return "behavior", "monitor" or "scenario"."""
         return "scenario" if isinstance(self.node, nodes.Scenario) else self.node.kind
 
     @property
@@ -350,7 +350,7 @@ class Behavior(Definition):
 
 @dataclass(frozen=True, eq=False)
 class BehaviorCall:
-    """A behavior with its arguments, bound by name, as attached by `with behavior B(1)`.
+    """A behavior with its arguments by name, as in `with behavior B(1)`.
 
     `names`: the variables of a scenario that has been set up in an episode.
     """
@@ -362,7 +362,7 @@ class BehaviorCall:
 
 
 def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
-    """Return the random nodes in a value, in order."""
+    """Yield the random nodes in a value, in order."""
     seen = set() if seen is None else seen
     if isinstance(value, RandomExpr):
         yield value
@@ -396,7 +396,7 @@ def parts_of(value: Value) -> tuple[Value, ...]:
 
 
 def describe_kind(value: Value) -> str:
-    """Return the kind of a value, for a message: "a number", "a region", ..."""
+    """Return the kind of a value for messages: "a number", "a region", ..."""
     if isinstance(value, RandomExpr):
         return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
     if isinstance(value, Instance):

@@ -1,4 +1,4 @@
-"""The evaluation of the tree: the meaning of each expression and statement, for numbers and random values alike.
+"""The evaluation of the tree: the meaning of each expression and statement, for fixed and random values.
 
-Read next: `loader`, where a load begins; `core.scope`.
+Read next: `loader`, the start of a load; `core.scope`.
 """

@@ -1,6 +1,6 @@
-"""The values that `value.name` and `value[i]` may read, and valid targets of assignments, from our own tables.
+"""Attributes, elements and targets of assignments: the values of `value.name` and `value[i]`.
 
-Python's attribute access is never used.
+Our own tables list all readable attributes; Python's attribute access is never used.
 
 Read next: `evaluation.builtins`, the methods of containers; `language.regions`, those of regions.
 """
@@ -45,7 +45,7 @@ from scenic_lite.values.regions import Region, VectorField
 # ------------------------------------------------------------ attributes
 @broadcasts_over_choices(1)
 def attribute(scope: Scope, value: Value, name: str) -> Value:
-    """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
+    """Return `value.name`. Raises ScenicError of kind `name`, with the nearest spelling as a hint."""
     if isinstance(value, Instance):
         return of_instance(scope, value, name)
     if isinstance(value, Namespace):
@@ -80,12 +80,12 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
 
 
 def of_kind(tables: tuple[tuple[Any, dict[str, Any]], ...], value: Value) -> dict[str, Any]:
-    """Return the table of the first kind that matches a value."""
+    """Return the attribute table of the first kind that matches a value."""
     return next((table for kind, table in tables if isinstance(value, kind)), {})
 
 
 def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
-    """Return a property, an attribute set later, a method, a side, or an attribute of the position."""
+    """Return a property, an assigned attribute, a method, a side, or an attribute of the position."""
     for own in (instance.properties, instance.attributes):
         if name in own:
             return own[name]
@@ -109,7 +109,7 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=hint)
 
 
-INSTEAD = {  # for attributes that are not supported
+INSTEAD = {  # hints for unsupported attributes
     **dict.fromkeys(("polygons", "polygon"), "objects of Shapely are not supported: write .points, or .boundary"),
     "convexHull": "write PolygonalRegion(points)",
     "canSee": "write a can see b",
@@ -128,7 +128,7 @@ def dot(self: Vector, other: Value) -> Value:
 
 
 def distance_to_outline(self: Instance, other: Value) -> Value:
-    """Return dialect 3's `object.distanceTo(point)`, measured from the object's rectangle, 0 inside."""
+    """Return dialect 3's `object.distanceTo(point)`: the distance from the object's rectangle, 0 inside it."""
     p = self.properties
     offset = (vector_of(other) - p["position"]).rotated(-p["heading"])
     sides = ((offset.x, p["width"]), (offset.y, p["length"]))
@@ -165,7 +165,7 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
 
 # ------------------------------------------------------------ elements
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
-    """`container[index]`."""
+    """Return `container[index]`."""
     if isinstance(container, RandomChoice):
         return at_each(index, lambda at: container.each(lambda option: item_of(scope, option, at)))
     if isinstance(container, Region | VectorField):
@@ -190,7 +190,7 @@ def item_of(scope: Scope, container: Value, index: Value) -> Value:
 
 
 def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
-    """Return the item at an index or slice whose ends may be draws among integers."""
+    """Return the item at an index or slice whose ends may be random integers."""
     if isinstance(index, slice):
         between = partial(at_each, index.stop)
         return at_each(index.start, lambda start: between(lambda stop: item(slice(start, stop, index.step))))
@@ -203,7 +203,7 @@ def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
 
 # ------------------------------------------------------------ targets of assignments
 def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
-    """Return the owner of a target and its name in the owner, evaluated once; a name has no owner."""
+    """Return the owner of a target and its key in the owner, each evaluated once; a plain name has no owner."""
     if isinstance(target, ast.Subscript):
         return scope.value(target.value), scope.value(target.slice)
     if isinstance(target, ast.Attribute):
@@ -214,7 +214,7 @@ def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
 
 
 def read(scope: Scope, target: ast.expr, owner: Value, key: Value) -> Value:
-    """Return the value of a target before it is changed."""
+    """Return the present value of a target."""
     if isinstance(target, ast.Name):
         return scope.state.ego if key == "ego" else scope.lookup(key)
     return item_of(scope, owner, key) if isinstance(target, ast.Subscript) else attribute(scope, owner, key)
@@ -239,7 +239,7 @@ def write(scope: Scope, target: ast.expr, owner: Value, key: Value, value: Value
 
 
 def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value) -> None:
-    """Raise ScenicError for elements that cannot be assigned."""
+    """Raise ScenicError for a container without assignable elements, or for a random key."""
     if not isinstance(owner, list | dict):
         raise scope.error("type", f"elements of {describe_kind(owner)} cannot be assigned here", target)
     what = "index of a list" if isinstance(owner, list) else "key of a dictionary"
@@ -248,9 +248,9 @@ def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value) ->
 
 
 def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
-    """`owner.name = value` of an object or a class of the program; a property keeps its type."""
+    """Assign `owner.name = value` for an object or a class of the program; a property keeps its type."""
     if isinstance(owner, Instance):
-        if name in ("x", "y") and name not in owner.properties:  # it would hide the coordinate without effect
+        if name in ("x", "y") and name not in owner.properties:  # an attribute would only hide the coordinate
             hint = f"write {owner.title()}.position = x @ y"
             raise ScenicError("type", f"the {name} of an object belongs to its position", hint=hint)
         if name in owner.properties:
@@ -268,7 +268,7 @@ def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
 
 
 def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
-    """Assign to a target, or to several at once: `a, (b, c) = value`."""
+    """Assign a value to one target, or its elements to several targets: `a, (b, c) = value`."""
     if not isinstance(target, ast.Tuple | ast.List):
         write(scope, target, *located(scope, target), value)
         return

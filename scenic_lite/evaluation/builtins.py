@@ -1,7 +1,7 @@
 """Python's built-in functions of containers, texts and types, and the methods of lists and dictionaries.
 
-Only the functions in these tables are reachable; functions that are rejected by name are excluded on purpose. Texts are
-built by f-strings and `+`, within the budget and row by row if they are random; they have no methods.
+Programs can call only the functions in these tables; functions that are rejected by name are excluded on purpose.
+F-strings and `+` build texts, within the budget and row by row if random; texts have no methods.
 Read next: `evaluation.functions`, which puts all tables together.
 """
 
@@ -35,13 +35,13 @@ from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH, Operation
 
-MOST_PRINTED = 1000  # lines that are kept
-MOST_SUBLISTS = 256  # of a list that is filtered by random tests
+MOST_PRINTED = 1000  # maximum number of stored lines
+MOST_SUBLISTS = 256  # maximum number of possible results of a filter with random tests
 
 
 # ------------------------------------------------------------ truth
 def folded(operation: Operation, start: bool) -> Callable[..., Value]:
-    """Return `all` or `any`, which outside a requirement must not depend on random values."""
+    """Return `all` or `any`; outside a requirement the elements must not be random."""
 
     def fold(scope: Scope, node: ast.AST, values: Value) -> Value:
         items = scope.elements(values, node)
@@ -53,7 +53,7 @@ def folded(operation: Operation, start: bool) -> Callable[..., Value]:
 
 
 def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
-    """`bool(value)`."""
+    """Return `bool(value)`."""
     if scope.mode.symbolic and isinstance(value, RandomExpr):
         return apply(TRUTH, value)
     return scope.certain_truth(value, node)
@@ -61,12 +61,12 @@ def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
 
 # ------------------------------------------------------------ containers
 def length(scope: Scope, node: ast.AST, value: Value) -> Value:
-    """`len(value)`."""
+    """Return `len(value)`."""
     return len(value) if isinstance(value, str | dict | range | list | tuple) else len(scope.elements(value, node))
 
 
 def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
-    """`range(...)`."""
+    """Return `range(...)`."""
     scope.refuse_random_in(ends, node, "a range cannot have random ends")
     numbers = range(*ends)
     try:
@@ -79,7 +79,7 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
 
 
 def sorted_list(scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False) -> list:
-    """`sorted(values, key=..., reverse=...)`; the keys and `reverse` must not be random."""
+    """Return `sorted(values, key=..., reverse=...)`; the keys and `reverse` must not be random."""
     items = scope.elements(values, node)
     keys = mapped(scope, node, key, items) if key is not None else items
     scope.mode.budget.whole(keys)
@@ -98,7 +98,7 @@ def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> lis
 
 @broadcasts_over_choices(3)
 def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Value:
-    """`filter(function, values)`; which elements are kept may differ from scene to scene."""
+    """Return `filter(function, values)`; the selection may differ between scenes."""
     items = scope.elements(values, node)
     try:
         tests = items if function is None else mapped(scope, node, function, items)
@@ -110,7 +110,7 @@ def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Val
 
 
 def random_sublist(items: list, tests: list) -> Value:
-    """Return the elements whose tests hold: a choice among all possible lists."""
+    """Return the elements whose tests hold, as a random choice among all possible lists."""
     sublists: list[list] = [[]]
     index: Value = 0
     for item, test in zip(items, tests, strict=True):
@@ -138,7 +138,7 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
 
 # ------------------------------------------------------------ texts
 def written(dialect: int, value: Value) -> str:
-    """Return the text of a value, which is not random, inside a collection."""
+    """Return the text of a fixed value inside a collection."""
     if isinstance(value, list | tuple):
         parts = ", ".join(written(dialect, part) for part in value)
         return f"[{parts}]" if isinstance(value, list) else f"({parts}{',' * (len(value) == 1)})"
@@ -155,7 +155,7 @@ def written(dialect: int, value: Value) -> str:
 
 @broadcasts_over_choices(1)
 def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
-    """`str(value)`, or its formatted text; row by row if it is random."""
+    """Return `str(value)` or the formatted text; row by row if the value is random."""
     if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
         raise exceeded("a text format wider than 999")
     if isinstance(value, RandomExpr):
@@ -169,7 +169,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
     if any(True for _ in randoms_in(value)) and not isinstance(value, Instance):
         message = "a collection or vector with random or live values cannot be converted to text"
         raise ScenicError("unsupported", message, hint="write them one by one")
-    scope.mode.budget.whole(value)  # a shared part is written each time
+    scope.mode.budget.whole(value)  # a shared part is written at every occurrence
     text = written(scope.state.dialect, value)
     scope.mode.budget.text(len(text))
     return text
@@ -177,7 +177,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
 
 @dataclass(frozen=True)
 class FormatEach:
-    """Write each element of an array [N] with one format; "" is that of `str`."""
+    """Format each element of an array [N] with one format; "" is the format of `str`."""
 
     spec: str
 
@@ -192,7 +192,7 @@ def no_method(name: str) -> ScenicError:
 
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
-    """`print`: output during loading is kept in `Program.printed`; output in a match is discarded."""
+    """Implement `print`: `Program.printed` keeps output during loading; output in a match is discarded."""
     if scope.mode.phase == LOAD and len(scope.state.printed) < MOST_PRINTED:
         fixed = [isinstance(value, Instance) or next(randoms_in(value), None) is None for value in values]
         words = [text_of(scope, value) if known else "(random)" for value, known in zip(values, fixed, strict=True)]
@@ -201,7 +201,7 @@ def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: 
 
 # ------------------------------------------------------------ types
 def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
-    """`isinstance(value, types)`; of a random choice, if all its options agree or in a requirement."""
+    """Return `isinstance(value, types)`; for a random choice it is fixed if all options agree, else random."""
     if isinstance(value, RandomChoice):
         answers = [is_instance(scope, node, option, types) for option in value.options]
         return answers[0] if len(set(answers)) == 1 else value.map_options(answers)
@@ -209,7 +209,7 @@ def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Valu
 
 
 def is_subclass(scope: Scope, node: ast.AST, cls: Value, bases: Value) -> bool:
-    """`issubclass(cls, bases)`, of classes of the program."""
+    """Return `issubclass(cls, bases)` for Scenic classes."""
     several = bases if isinstance(bases, tuple) else (bases,)
     other = next((each for each in (cls, *several) if not isinstance(each, ScenicClass)), None)
     if other is not None:
@@ -227,9 +227,9 @@ def is_of(value: Value, cls: Value) -> bool:
 
 # ------------------------------------------------------------ the tables
 def plain(of: type, *names: str) -> dict[str, Builtin]:
-    """Return methods of a Python container that cannot grow it and do not run code of the program.
+    """Return methods of a Python container that neither add elements nor run code of the program.
 
-    They compare as Python does; for random values this would compare identities.
+    Python's comparison would compare random values by identity, so a random first argument is rejected.
     """
 
     def method(name: str) -> Callable[..., Value]:
@@ -244,14 +244,14 @@ def plain(of: type, *names: str) -> dict[str, Builtin]:
 
 
 def typed(kind: type, function: Callable[..., Value], over_choices: bool = False) -> Builtin:
-    """Return a function that is also a type: `isinstance(x, bool)`."""
+    """Return a function that is also a type, as in `isinstance(x, bool)`."""
     return Builtin(kind.__name__, function, needs_context=True, types=(kind,), over_choices=over_choices)
 
 
 def left_out(hints: dict[str, str]) -> dict[str, Value]:
-    """Return Python functions that a program may expect; a call raises an error with an alternative.
+    """Return placeholders for unsupported Python functions; a call raises an error that names an alternative.
 
-    `hints` maps each alternative to the names.
+    `hints` maps each alternative to the names of the functions.
     """
 
     def refusal(name: str, hint: str) -> Builtin:

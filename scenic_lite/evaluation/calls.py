@@ -1,4 +1,4 @@
-"""Calls: functions of the program, built-in ones, behaviors; and the creation of instances.
+"""Calls of program functions, built-in functions and behaviors, and the creation of instances.
 
 Read next: `evaluation.statements`.
 """
@@ -38,9 +38,9 @@ from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unk
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number, kind_of
 
-LONGEST_CHAIN = 8  # calls in the notes of an error
+LONGEST_CHAIN = 8  # maximum number of calls in the notes of an error
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
-TRACKED_NAMES = ("ego", "workspace")  # stored in the state, wherever they are set
+TRACKED_NAMES = ("ego", "workspace")  # stored in the state, from any scope
 NAMING = (ast.FunctionDef, ast.ClassDef)
 OWN_SCOPES = (
     ast.FunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.DictComp, ast.GeneratorExp, nodes.Behavior,
@@ -49,7 +49,7 @@ OWN_SCOPES = (
 
 
 class Return(Exception):
-    """Returns from a function of the program with its value."""
+    """Control flow: a function of the program returns a value."""
 
     def __init__(self, value: Value) -> None:
         super().__init__()
@@ -67,9 +67,9 @@ def call_node(scope: Scope, node: ast.Call) -> Value:
 
 
 def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, keywords: dict[str, Value]) -> Value:
-    """Call a function whose arguments may be starred, `f(*items)`.
+    """Call a function with starred arguments, such as `f(*items)`.
 
-    With a random list the call is mapped over its options; `Uniform(*items)` draws once, from the elements.
+    For a random list, the call is mapped over the options of the list. `Uniform(*items)` draws once, from the elements.
     """
     stars = [isinstance(written, ast.Starred) for written in node.args]
     at = next((i for i, value in enumerate(values) if stars[i] and isinstance(value, Undecided)), None)
@@ -128,7 +128,7 @@ parameters_of = lru_cache(maxsize=512)(inspect.signature)
 
 
 def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value]) -> None:
-    """Raise ScenicError with the program's names if the arguments do not fit."""
+    """Raise ScenicError, with the names that a program uses, if the arguments do not match the signature."""
     try:
         parameters_of(function.function).bind(*inputs, **keywords)
     except ValueError:  # some methods of Python's containers have no signature
@@ -145,7 +145,7 @@ def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value])
 def call_function(
     scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
-    """Run a function of the program; an error inside a library is reported where the program called it."""
+    """Run a function of the program; an error inside a library is reported at the call in the program."""
     inner = Scope.inside(scope.mode, function.scope, function.bind(arguments, keywords))
     inner.assigned = function.assigned
     budget = scope.mode.budget
@@ -164,7 +164,7 @@ def call_function(
 
 
 def seen_from(state: LoadState, thing: Definition, place: SourceSpan, error: ScenicError) -> ScenicError:
-    """Return an error inside a called function: moved to the call if in a library, with a note if in the program."""
+    """Return the error of a called function: for a library function at the call, otherwise with a note on the call."""
     if error.place is None or place.file not in state.sources or error.place.file not in state.sources:
         return error
     caller, line = state.sources[place.file], state.sources[place.file].line(place.line)
@@ -194,14 +194,14 @@ def lambda_of(scope: Scope, node: ast.Lambda) -> Function:
 
 
 def function_of(scope: Scope, name: str, arguments: ast.arguments, body: Any, is_method: bool = False) -> Function:
-    """Return a function whose defaults are evaluated now. A method does not see the names of its class."""
+    """Create a function and evaluate its defaults. A method does not see the names of its class."""
     assigned = names_of(tuple(body)) if isinstance(body, list) else frozenset[str]()
     around = scope.outer if is_method and scope.outer is not None else scope
     return Function(name, signature_of(scope, arguments), around, assigned, body)
 
 
 def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
-    """Return the parameters of a definition with the values of their defaults."""
+    """Return the parameters of a definition with their default values."""
     defaults = [Parameter.empty] * (len(arguments.args) - len(arguments.defaults)) + [
         *map(scope.value, arguments.defaults)
     ]
@@ -213,7 +213,7 @@ def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
 def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
-    """Return the local names of a function, which it assigns."""
+    """Return the local names of a function: all names that the body assigns."""
     names: set[str] = set()
     for node in nodes.walk_own(*body, scopes=OWN_SCOPES):
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
@@ -224,7 +224,7 @@ def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
 
 
 def new(scope: Scope, node: nodes.New) -> Value:
-    """Return an instance; or the value of the text as an operator or a plain name, if that is not a class."""
+    """Return an instance; if the name is not a class, the value of the operator or plain name instead."""
     cls = scope.value(node.cls)
     if not isinstance(cls, ScenicClass):
         if not node.certain:
@@ -242,7 +242,7 @@ def new(scope: Scope, node: nodes.New) -> Value:
 
 
 def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> ResolvedSpecifier:
-    """Evaluate a specifier's operands; errors point at the specifier."""
+    """Return a specifier with its operands evaluated; errors point at the specifier."""
     first = node.arguments[0] if node.arguments else None
     name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
     scope = scope.owning(instance, name or ("heading" if "facing" in node.name else "position"))
@@ -254,7 +254,7 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
         if node.name not in SPECIFIERS:
             raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
         operands = scope.operands(node.arguments)
-        resolved = SPECIFIERS[node.name](scope, node, *operands)  # whose messages mostly name the required types
+        resolved = SPECIFIERS[node.name](scope, node, *operands)  # errors of this call mostly name the required types
         scope.refuse_none(node.arguments, operands)
         return resolved
     except ScenicError as error:
@@ -262,9 +262,9 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
 
 
 def named_by_do(scope: Scope, node: nodes.Do, kind: str) -> list[tuple[Value, Value]]:
-    """Return the targets of a `do`, behaviors or scenarios by `kind`, each with its weight.
+    """Return the targets of a `do` with their weights; `kind` is "behavior" or "scenario".
 
-    `choose` and `shuffle` also take a dictionary of weights.
+    `choose` and `shuffle` also accept a dictionary of weights.
     """
     values, places = [scope.value(call) for call in node.calls], list(node.calls)
     weights = [1.0] * len(values) if node.weights is None else [scope.value(weight) for weight in node.weights]
@@ -278,7 +278,7 @@ def named_by_do(scope: Scope, node: nodes.Do, kind: str) -> list[tuple[Value, Va
 
 
 def called(scope: Scope, kind: str, value: Value, place: ast.expr) -> Value:
-    """Return a behavior or scenario with its arguments, or a choice among such."""
+    """Return a behavior or scenario with its arguments, or a random choice among such calls."""
     if isinstance(value, RandomChoice):
         return RandomChoice(value.index, tuple(called(scope, kind, option, place) for option in value.options))
     if isinstance(value, BehaviorCall) and value.behavior.kind == kind:

@@ -1,6 +1,6 @@
-"""Evaluate expressions: the meaning of each node for numbers, containers and random values alike.
+"""Evaluate expressions: the meaning of each node for numbers, containers and random values.
 
-Outside requirements random values cannot be compared, as in Scenic. Read next: `evaluation.access`, attributes and
+As in Scenic, random values cannot be compared outside requirements. Read next: `evaluation.access`, attributes and
 elements; `evaluation.calls`, functions and instances; `evaluation.statements`.
 """
 
@@ -37,7 +37,7 @@ BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
     ast.Pow: ("**", operations.real_power),
 }
 OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
-PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # parts of lists that need our own comparison
+PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # element types of lists that need our own comparison
 COMPARISONS: dict[type, operations.Operation] = {
     ast.Lt: operations.LESS,
     ast.LtE: operations.LESS_EQUAL,
@@ -70,14 +70,14 @@ def binary(scope: Scope, node: ast.BinOp) -> Value:
 
 @broadcasts_over_choices(2, 3)
 def combine(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
-    """Return the result of `left sign right`, within the budget."""
+    """Return the result of the binary operation `left sign right`, within the budget."""
     if isinstance(sign, ast.MatMult):
         return at_sign(left, right)
     if isinstance(sign, ast.Mod) and kind_of(left) == "text":
         raise ScenicError("unsupported", "`%` does not format texts here", hint='write f"...{x}..."')
     check_size(scope, sign, left, right)
     sides = []
-    for operand in (left, right):  # objects stand for their positions in arithmetic
+    for operand in (left, right):  # arithmetic on an object uses its position
         if not isinstance(operand, OPERANDS):
             operand = as_vector(operand) if isinstance(sign, ast.Add | ast.Sub | ast.Mult | ast.Div) else None
             if operand is None:
@@ -101,7 +101,7 @@ def mismatch(sign: ast.operator, left: Value, right: Value) -> ScenicError:
 
 
 def at_sign(x: Value, y: Value) -> Value:
-    """`x @ y`, a vector."""
+    """Return the vector `x @ y`."""
     for part in (x, y):
         if not (is_number(part) or (isinstance(part, RandomExpr) and part.kind == "number")):
             hint = NUMBERS_FROM.get(type(part), "")
@@ -116,7 +116,7 @@ NUMBERS_FROM: dict[type, str] = {
 
 
 def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> None:
-    """Refuse huge results before they are computed."""
+    """Raise ScenicError for a huge result before it is computed."""
     budget = scope.mode.budget
     if isinstance(left, int) and isinstance(right, int):
         if isinstance(sign, ast.Pow) and right > 0:
@@ -144,7 +144,7 @@ def apply_sign(scope: Scope, sign: ast.unaryop, value: Value) -> Value:
 
 
 def boolean(scope: Scope, node: ast.BoolOp) -> Value:
-    """`and`, `or`: with Python's short circuit, except over random values inside requirements."""
+    """Evaluate `and` and `or` with short circuits as in Python, except for random values inside requirements."""
     is_and = isinstance(node.op, ast.And)
     pending: Value = None
     value: Value = None
@@ -172,7 +172,7 @@ def conditional(scope: Scope, node: ast.IfExp) -> Value:
 
 
 def either(test: RandomExpr, yes: Value, no: Value) -> Value:
-    """Return `yes` where the test holds, else `no`."""
+    """Return `yes` in scenes in which the test holds, otherwise `no`."""
     if isinstance(yes, Vector) and isinstance(no, Vector):
         return Vector(either(test, yes.x, no.x), either(test, yes.y, no.y))
     if kind_of(yes) == "other" or kind_of(no) == "other":
@@ -182,7 +182,7 @@ def either(test: RandomExpr, yes: Value, no: Value) -> Value:
 
 # ------------------------------------------------------------ comparisons
 def comparison(scope: Scope, node: ast.Compare) -> Value:
-    """Return a chain of comparisons; random ones are allowed in requirements only."""
+    """Evaluate a chain of comparisons; random values are allowed in requirements only."""
     left = scope.value(node.left)
     result: Value = True
     for sign, operand in zip(node.ops, node.comparators, strict=True):
@@ -200,7 +200,7 @@ def comparison(scope: Scope, node: ast.Compare) -> Value:
 
 
 def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """Return one link of a chain of comparisons."""
+    """Evaluate one comparison of a chain."""
     if isinstance(sign, ast.Is | ast.IsNot):
         return identity(scope, left, right, isinstance(sign, ast.Is))
     if isinstance(sign, ast.In | ast.NotIn):
@@ -214,7 +214,7 @@ def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: V
 
 @broadcasts_over_choices(2, 3)
 def related(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """Return whether `left sign right`, for all signs except `is` and `in`."""
+    """Evaluate the comparison `left sign right`, for all signs except `is` and `in`."""
     if isinstance(sign, ast.Eq | ast.NotEq):
         return equality(scope, sign, left, right)
     for side in (left, right):
@@ -226,7 +226,7 @@ def related(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
 
 
 def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
-    """`left is right`; outside requirements a random choice is identical to itself and to no option, as in Scenic."""
+    """Evaluate `left is right`; outside requirements a random choice is identical only to itself, as in Scenic."""
     if left is right or not scope.mode.symbolic:
         return (left is right) == same
     if isinstance(left, RandomChoice):
@@ -251,7 +251,7 @@ def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
 
 @broadcasts_over_choices(3)
 def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Value:
-    """`item in container`: a region contains points and objects, other containers contain elements."""
+    """Evaluate `item in container`: a region contains points and objects, other containers contain elements."""
     if isinstance(container, Region):
         inside = in_region(scope, container, item)
         if isinstance(inside, RandomExpr):
@@ -308,7 +308,7 @@ def sequence(scope: Scope, node: ast.List | ast.Tuple) -> Value:
 
 
 def key_of(scope: Scope, node: ast.expr) -> Value:
-    """Return a key of a dictionary."""
+    """Evaluate a key of a dictionary and charge its size."""
     key = scope.value(node)
     scope.mode.budget.whole(key)
     return key
@@ -324,7 +324,7 @@ def dictionary(scope: Scope, node: ast.Dict) -> dict:
 
 
 def formatted_text(scope: Scope, node: ast.JoinedStr) -> Value:
-    """Return an f-string; random parts are written row by row."""
+    """Evaluate an f-string; random parts are formatted row by row."""
     result: Value = ""
     for piece in [scope.value(part) for part in node.values]:
         result = piece if result == "" else result + piece

@@ -1,6 +1,6 @@
-"""The built-in functions: of numbers, also random ones; distributions, regions, `math` and `random`.
+"""The built-in functions: numbers (fixed or random), distributions, regions, `math` and `random`.
 
-Only the functions in these tables are reachable. Read next: `evaluation.expressions`.
+Programs can call only the functions in these tables. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from scenic_lite.values.graph import RandomExpr, Value, apply, as_number, is_num
 
 # ------------------------------------------------------------ numbers
 def numeric(operation: operations.Operation, *operands: Value) -> Value:
-    """Return an operation on numbers, random or not. Raises ScenicError for anything else."""
+    """Apply an operation to fixed or random numbers. Raises ScenicError for other operands."""
     for operand in operands:
         if kind_of(operand) not in ("number", "truth", "any"):
             raise ScenicError("type", f"a number is needed here, not {describe_kind(operand)}")
@@ -43,7 +43,7 @@ def numeric(operation: operations.Operation, *operands: Value) -> Value:
 
 
 def of_table(operation: operations.Operation, name: str = "", *types: type) -> Builtin:
-    """Return the function of a row of the table of operations."""
+    """Return the built-in function for an operation of the table."""
     if operation.arity == 1:
         return Builtin(name or operation.name, lambda x: numeric(operation, x), types=types)
     return Builtin(name or operation.name, lambda x, y: numeric(operation, x, y))
@@ -59,7 +59,7 @@ def rounded(number: Value, ndigits: Value = None) -> Value:
 
 @broadcasts_over_choices(2)
 def total(scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value:
-    """`sum(values, start)`."""
+    """Return `sum(values, start)`."""
     items = scope.elements(values, node)
     if isinstance(start, str):
         raise ScenicError("type", "texts are not added by sum()", hint="write a + b")
@@ -81,7 +81,7 @@ def logarithm(x: Value, base: Value = None) -> Value:
 
 # ------------------------------------------------------------ minimum and maximum
 class Extreme:
-    """`min` or `max`: of several values or of a collection, with `key` and `default`."""
+    """The functions `min` and `max` of several values or one collection, with `key` and `default`."""
 
     def __init__(self, operation: operations.Operation) -> None:
         self.operation = operation
@@ -119,7 +119,7 @@ class Extreme:
 
 # ------------------------------------------------------------ functions of the language
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
-    """Refuse functions that football's libraries import but programs do not need: they return Shapely objects."""
+    """Reject functions that return Shapely objects; football's libraries import them, but programs do not need them."""
     raise ScenicError("unsupported", "objects of Shapely are not supported", hint="write PolygonalRegion(points)")
 
 
@@ -128,7 +128,7 @@ def outside_behavior(scope: Scope, node: ast.AST) -> None:
 
 
 def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
-    """`Vector(x, y)`; programs for three dimensions give a third coordinate, which must be 0."""
+    """Return `Vector(x, y)`; programs for three dimensions add a third coordinate, which must be 0."""
     if not is_number(z) or z != 0:
         raise ScenicError("unsupported", "the third coordinate of a vector must be 0 in two dimensions")
     return Vector(number_of(x), number_of(y))
@@ -179,7 +179,7 @@ DISTRIBUTIONS: dict[str, Value] = needs_context(
     TruncatedNormal=draw.draw_truncated_normal,
     resample=draw.resample,
 )
-RANDOM: dict[str, Value] = {  # Python's module, if a program imports it: each call draws from θ
+RANDOM: dict[str, Value] = {  # replaces Python's module `random`: each call draws from θ
     **needs_context(
         uniform=draw.draw_range,
         random=lambda scope, node: draw.draw_range(scope, node, 0, 1),

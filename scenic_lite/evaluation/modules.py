@@ -1,6 +1,6 @@
 """Imports: the domain's library, `math` and `random`, and `.scenic` files beside the program.
 
-Python's own import is never used. Read next: `scene.program`.
+The importer never uses Python's own import. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from scenic_lite.syntax.check import check
 from scenic_lite.syntax.lexer import unified
 from scenic_lite.syntax.parser import parse
 
-LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to parse
-LONGEST_NAME = 200  # characters of a path in messages
+LARGEST_FILE = 200_000  # bytes or characters; parsing them takes about two seconds
+LONGEST_NAME = 200  # maximum number of characters of a path in messages
 
 
 @lru_cache(maxsize=64)
 def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
-    """Return the checked tree of a text and its warnings. Raises one ScenicError for all errors in it.
+    """Return the checked tree of a text and its warnings. Raises one ScenicError that holds all errors in the text.
 
-    Results are cached, since library files are the same for every program.
+    Results are cached, since all programs share the library files.
     """
     if len(text) > LARGEST_FILE:
         raise ScenicError(
@@ -46,7 +46,7 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
 
 
 def read(path: Path) -> str:
-    """Return the text of a program file. Raises ScenicError if it is not readable text."""
+    """Return the text of a program file. Raises ScenicError if the file is not readable text."""
     shown = str(path) if len(str(path)) <= LONGEST_NAME else f"{str(path)[:LONGEST_NAME]}..."
     try:
         if path.is_dir():
@@ -68,7 +68,7 @@ def read(path: Path) -> str:
 
 
 def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
-    """Evaluate one file; return its names, those of the domain's default model included."""
+    """Evaluate one file and return its names, including those of the domain's default model."""
     state = mode.state
     state.sources[source.file] = source
     scope = Scope(mode, source, {})
@@ -98,7 +98,7 @@ def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
 
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:
-    """Import all names of a world model; its params never replace those that are set."""
+    """Import all names of a world model; its params never replace existing params."""
     try:
         take_all(scope, import_module(Scope.at(replace(scope.mode, in_model=True), scope), name))
     except ScenicError as error:
@@ -106,12 +106,12 @@ def take_model(scope: Scope, name: str, node: ast.AST) -> None:
 
 
 def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
-    """Return a text split into lines as the lexer counts them."""
+    """Return a `Source` whose line numbers match those of the lexer."""
     return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
 def import_module(scope: Scope, name: str) -> Namespace:
-    """Return a module of the program, evaluated on its first import."""
+    """Return a module, which is evaluated on its first import."""
     state = scope.state
     path, library = locate(scope, name)
     if path is None:
@@ -134,10 +134,9 @@ def import_module(scope: Scope, name: str) -> Namespace:
 
 
 def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
-    """Return the file of a module and whether it is the domain's; None for the language's own modules.
+    """Return the file of a module and whether it belongs to the domain; the file is None for built-in modules.
 
-    A name is searched in the library, among the language's modules, in the folder of the program and in that of the
-    importing file.
+    The search order is: the library, the built-in modules, the folder of the program, the folder of the importing file.
     """
     state = scope.state
     library = state.domain.library if state.domain else {}
@@ -154,14 +153,14 @@ def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
                 raise ScenicError("import", f"{file.name} is a link that leads out of the program's folder")
             return file, scope.source.library
     known = [*library, *MODULES, *neighbors(scope)]
-    files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
+    files = {str(file): module for module, file in reversed([*library.items()])}  # each file once, with its first name
     shown = [*reversed(files.values()), "math", "random", *neighbors(scope)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
 
 
 def neighbors(scope: Scope) -> list[str]:
-    """List the programs beside this one."""
+    """Return the names of programs in the same folder."""
     folder = scope.source.folder
     if folder is None or scope.source.library:
         return []
@@ -169,13 +168,13 @@ def neighbors(scope: Scope) -> list[str]:
 
 
 def model(scope: Scope, node: nodes.Model) -> None:
-    """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
+    """Execute `model a.b`, or import the caller's model instead. Its params never replace existing params."""
     replacement = None if scope.source.library or scope.mode.in_model else scope.state.model
     take_model(scope, replacement or node.name, node)
 
 
 def import_whole(scope: Scope, node: ast.Import) -> None:
-    """`import a`, `import a.b as c`."""
+    """Execute `import a` or `import a.b as c`."""
     for alias in node.names:
         if "." in alias.name and alias.asname is None:
             last = alias.name.rpartition(".")[2]
@@ -185,7 +184,7 @@ def import_whole(scope: Scope, node: ast.Import) -> None:
 
 
 def import_from(scope: Scope, node: ast.ImportFrom) -> None:
-    """`from a import b as c`, `from a import *`."""
+    """Execute `from a import b as c` or `from a import *`."""
     assert node.module is not None, "the parser refuses dots before the name"
     module = import_module(scope, node.module)
     for alias in node.names:
@@ -199,7 +198,7 @@ def import_from(scope: Scope, node: ast.ImportFrom) -> None:
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
-    """`from module import *`: the names in its `__all__`, or all without a leading underscore."""
+    """Execute `from module import *`: import the names in `__all__`, or all names without a leading underscore."""
     public = module.names.get("__all__", [name for name in module.names if not name.startswith("_")])
     if not isinstance(public, list | tuple) or not all(isinstance(name, str) for name in public):
         raise ScenicError("type", f"`__all__` of {module.name} is a list of names, not {describe_kind(public)}")

@@ -1,7 +1,6 @@
-"""Execute statements: Python's, and Scenic's statements about a scene.
+"""Execute the statements of Python, and those of Scenic that describe a scene.
 
-Behaviors, monitors and conditions that end an episode are kept as trees for the compiler. Read next:
-`evaluation.modules`.
+Behaviors, monitors and conditions that end an episode stay trees, for the compiler. Read next: `evaluation.modules`.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ from scenic_lite.values.graph import RandomExpr, Value, is_number
 
 
 class Break(Exception):
-    """Leaves a loop."""
+    """Control flow: leave a loop."""
 
 
 class Continue(Exception):
-    """Ends one round of a loop."""
+    """Control flow: end one iteration of a loop."""
 
 
 def expression(scope: Scope, node: ast.Expr) -> None:
@@ -55,7 +54,7 @@ def assign(scope: Scope, node: ast.Assign) -> None:
 
 
 def augmented(scope: Scope, node: ast.AugAssign) -> None:
-    """`target += value`; a list stays the same object, and accepts the elements of any collection."""
+    """Execute `target += value`; a list stays the same object and accepts the elements of any collection."""
     owner, key = located(scope, node.target)
     old = read(scope, node.target, owner, key)
     more = scope.value(node.value)
@@ -83,7 +82,7 @@ def repeat(scope: Scope, node: ast.For | ast.While) -> None:
 
 
 def loop(scope: Scope, node: ast.For | ast.While, run: Callable[[list[ast.stmt]], Iterable[Any]]) -> Iterator[Any]:
-    """Run a loop; yield the steps of `run`, which runs a block, if time passes in it."""
+    """Run a loop; `run` executes a block and yields whenever time passes in it."""
     for _ in rounds(scope, node):
         try:
             yield from run(node.body)
@@ -95,7 +94,7 @@ def loop(scope: Scope, node: ast.For | ast.While, run: Callable[[list[ast.stmt]]
 
 
 def rounds(scope: Scope, node: ast.For | ast.While) -> Iterator[None]:
-    """Yield before each round, over the elements present when the loop begins; only the end of a list is certain."""
+    """Yield before each iteration, over the elements at the start of the loop; `while` and `range` may be endless."""
     budget = scope.mode.budget
     if isinstance(node, ast.While):
         while scope.truth(node.test):
@@ -125,7 +124,7 @@ def return_value(scope: Scope, node: ast.Return) -> None:
 
 
 def nothing(scope: Scope, node: ast.AST) -> None:
-    """`pass`; and `simulator ...`, which refers to another installation."""
+    """Do nothing, for `pass` and for `simulator ...`, which refers to another simulator."""
 
 
 def check_assertion(scope: Scope, node: ast.Assert) -> None:
@@ -140,7 +139,7 @@ def define_function(scope: Scope, node: ast.FunctionDef) -> None:
 
 
 def define_class(scope: Scope, node: ast.ClassDef) -> None:
-    """Define a class of the language; methods see the names around the class, not those inside."""
+    """Define a class; methods see the names around the class, not the names in its body."""
     base = base_of(scope, node)
     cls = ScenicClass(node.name, base)
     body = scope.inner({})
@@ -176,7 +175,7 @@ def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass:
 
 
 def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
-    """Return a default expression, evaluated for each new instance, with `self` visible."""
+    """Return the default of a property; its expression may read `self` and is evaluated for each new instance."""
     parts = list(ast.walk(node.value))
     reads = {id(part.value): part.attr for part in parts if isinstance(part, ast.Attribute)}
     selves = [part for part in parts if isinstance(part, ast.Name) and part.id == "self"]
@@ -195,7 +194,7 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
     behavior = Behavior(node.name, signature_of(scope, node.args), scope, names_of(tuple(node.body)), node)
     scope.assign(node.name, behavior)
     scope.state.behaviors[node.name] = behavior
-    if node.started:  # in Scenic 2, a definition also starts the monitor
+    if node.started:  # in Scenic 2, the definition of a monitor also starts it
         scope.state.monitors.append(BehaviorCall(behavior, {}, scope.place(node)))
 
 
@@ -208,7 +207,7 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 # ------------------------------------------------------------ the scenario
 def set_params(scope: Scope, node: nodes.Param) -> None:
-    """Set params: later ones replace earlier ones, except that a library's never replace the program's own."""
+    """Set params: later params replace earlier ones, but params of a library never replace those of the program."""
     state = scope.state
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = scope.value(expression)
@@ -227,7 +226,7 @@ def set_params(scope: Scope, node: nodes.Param) -> None:
 
 
 def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
-    """Warn about a parameter that is never read and whose name is similar to one of the world's."""
+    """Warn about a parameter that is never read but whose name resembles a parameter of the world."""
     known = scope.state.domain.params if scope.state.domain else frozenset()
     hint = "" if name in known else near(name, known)
     if hint:
@@ -245,7 +244,7 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    """Keep a condition for the episode; a duration is evaluated now, like any other value."""
+    """Store a termination condition for the episode; a duration is evaluated immediately."""
     duration, name = None, node.name if isinstance(node, nodes.TerminateWhen) else None
     if isinstance(node, nodes.TerminateAfter):
         duration = scope.value(node.duration)
@@ -257,7 +256,7 @@ def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAf
 
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:
-    """`record`: evaluated in every step of the episode."""
+    """Store a `record` statement for the episode."""
     scope.state.records.append(EpisodeStatement(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 

@@ -1,6 +1,6 @@
-"""The built-in classes Point, OrientedPoint and Object, and values derived from their properties.
+"""The built-in classes Point, OrientedPoint and Object, and the values derived from their properties.
 
-Read next: `language.specifiers`, which creates instances.
+Read next: `language.specifiers`, which creates the instances.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenic_lite.values.regions import Region, SectorRegion
 
 
 def constants(**values: Value) -> dict[str, Default]:
-    """Return defaults that are the same for every instance."""
+    """Return property defaults that are equal for all instances."""
     return {name: constant(value) for name, value in values.items()}
 
 
@@ -64,7 +64,7 @@ OBJECT = ScenicClass(
     | {"velocity": VELOCITY},
 )
 SWITCHES = frozenset({"allowCollisions", "requireVisible"})
-# Sides and corners: the shares of the half width and half length between the center and the point.
+# Sides and corners: the offset from the center, in units of the half width and the half length.
 SIDES = {
     "front": (0, 1),
     "back": (0, -1),
@@ -87,7 +87,7 @@ def is_object(value: Value) -> bool:
 
 
 def as_heading(value: Value) -> Value:
-    """Return the heading of a value: a number, or that of an oriented object. None if it is neither."""
+    """Return a value as a heading: a number, or the heading of an oriented object. None for any other value."""
     if is_scalar(value):
         return value
     if is_oriented(value):
@@ -99,7 +99,7 @@ def as_heading(value: Value) -> Value:
 
 
 def as_orientation(value: Value) -> Value:
-    """Return the yaw of an orientation in dialect 3: as `as_heading`, or (yaw, 0, 0)."""
+    """Return the yaw of an orientation in dialect 3, which is a heading (`as_heading`) or (yaw, 0, 0)."""
     if isinstance(value, tuple | list) and len(value) == 3 and all(is_scalar(part) for part in value):
         if not all(is_number(part) and part == 0 for part in value[1:]):
             raise ScenicError("unsupported", "an orientation in two dimensions is (yaw, 0, 0)")
@@ -108,7 +108,7 @@ def as_orientation(value: Value) -> Value:
 
 
 def needed(words: str, noun: str, value: Value, converted: Value, hint: str = "") -> Value:
-    """Return the result of a conversion. Raises ScenicError if it is None; the message names the form that needs it."""
+    """Return the result of a conversion. Raises ScenicError, with the form in the message, if the result is None."""
     if converted is None:
         message = f"`{words}` needs {noun}" if words else f"{noun} is needed here"
         raise ScenicError("type", f"{message}, not {describe_kind(value)}", hint=hint)
@@ -116,14 +116,14 @@ def needed(words: str, noun: str, value: Value, converted: Value, hint: str = ""
 
 
 def vector_of(value: Value, words: str = "") -> Vector:
-    """Return a value as a vector. Raises ScenicError if that is not possible."""
+    """Convert a value to a vector. Raises ScenicError if this is impossible."""
     hint = "a vector is written x @ y" if words and is_scalar(value) else ""
     hint = "a point of a region is written `in region`" if isinstance(value, Region) else hint
     return needed(words, "a vector", value, as_vector(value), hint)
 
 
 def heading_of(value: Value, words: str) -> Value:
-    """Return a value as a heading. Raises ScenicError if that is not possible."""
+    """Convert a value to a heading. Raises ScenicError if this is impossible."""
     return needed(words, "a heading", value, as_heading(value))
 
 
@@ -135,7 +135,7 @@ def region_of(value: Value, words: str = "") -> Region:
     return needed(words, "a region", value, value if isinstance(value, Region) else None)
 
 
-# Properties of the orientation of dialect 3's oriented objects besides the heading.
+# Properties of oriented objects in dialect 3 that describe the orientation, besides the heading.
 ORIENTATION: dict[str, Callable[[Instance], Value]] = {
     "orientation": lambda self: self.properties["heading"],
     "parentOrientation": lambda self: self.parent_heading,
@@ -149,19 +149,19 @@ def as_number(value: Value) -> Value:
     return value if is_scalar(value) else None
 
 
-# For properties with a type: its name, and the conversion of a value, None if that is not possible.
+# For properties with a type: the name of the type, and the conversion, which returns None if it fails.
 VECTOR, NUMBER = ("a vector", as_vector), ("a number", as_number)
 PROPERTY_TYPES: dict[str, tuple[str, Callable[[Value], Value]]] = {
     **dict.fromkeys(("position", "velocity", "cameraOffset"), VECTOR),
     **dict.fromkeys(("width", "length", "visibleDistance", "viewAngle", "speed", "angularSpeed"), NUMBER),
     **dict.fromkeys(("mutationScale", "headingStdDev"), NUMBER),
     "heading": ("a number", as_heading),
-    "parentOrientation": ("a heading", as_orientation),  # of dialect 3
+    "parentOrientation": ("a heading", as_orientation),  # in dialect 3
 }
 
 
 def checked(name: str, value: Value, dialect: int) -> Value:
-    """Return a property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    """Return a value converted to the type of a property. Raises ScenicError if this is impossible."""
     if name in SWITCHES and not isinstance(value, RandomExpr | RandomChoice):
         return bool(value)
     if name == "positionStdDev":
@@ -192,7 +192,7 @@ def is_behavior(value: Value) -> bool:
 
 
 def spread_of(value: Value, dialect: int) -> Value:
-    """Return the standard deviation of a position: a number in dialect 2, one for each axis in dialect 3."""
+    """Return the standard deviation of a position: a number in dialect 2, a vector in dialect 3."""
     if dialect == 2 and not is_scalar(value):
         if value is UNIT_SPREAD:
             return 1.0
@@ -206,14 +206,14 @@ def spread_of(value: Value, dialect: int) -> Value:
 
 
 def oriented_point(at: Vector, heading: Value, place: SourceSpan) -> Instance:
-    """Return a new OrientedPoint that is not created by the program's text."""
+    """Return an OrientedPoint that no statement of the program creates."""
     properties = {"position": at, "heading": heading, "width": 0.0, "length": 0.0}
     properties |= {"visibleDistance": 50.0, "viewAngle": 2 * math.pi}
     return Instance(ORIENTED_POINT, place, properties=properties)
 
 
 def side_of(instance: Instance, side: str) -> Instance:
-    """Return the OrientedPoint at the middle of a side, or at a corner."""
+    """Return the OrientedPoint at the midpoint of a side or at a corner."""
     across, along = SIDES[side]
     offset = Vector(instance.properties["width"] * (across / 2), instance.properties["length"] * (along / 2))
     heading = instance.properties["heading"]
@@ -221,7 +221,7 @@ def side_of(instance: Instance, side: str) -> Instance:
 
 
 def view_of(instance: Instance) -> SectorRegion:
-    """Return the visible region of a Point (all round) or OrientedPoint (its sector)."""
+    """Return the visible region: a disc for a Point, a sector for an OrientedPoint."""
     position, reach = instance.properties["position"], instance.properties["visibleDistance"]
     if not is_oriented(instance):
         return SectorRegion(position, reach)
@@ -243,9 +243,9 @@ def rectangle_of(instance: Instance) -> tuple[Value, ...]:
 
 
 def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
-    """Return whether the viewer's sector contains a point or meets an object's rectangle; there is no occlusion.
+    """Return whether the viewer's sector contains a point or meets an object's rectangle, without occlusion.
 
-    Dialect 2 tests only the corners of the rectangle, as Scenic 2 does.
+    Dialect 2 tests only the corners of the rectangle, like Scenic 2.
     """
     view = view_of(viewer)
     if not is_object(seen):

@@ -1,6 +1,6 @@
-"""The distributions of the language, each one column of θ through its inverse cumulative distribution.
+"""The distributions of the language; each maps one column of θ by its inverse cumulative distribution function.
 
-A draw from [-1, 1] is mapped to the value by the tape (`graph`); this module does not sample. Read next:
+The tape (`values.graph`) maps a number in [-1, 1] to the value; this module does not sample. Read next:
 `values.regions`, for points drawn from a region.
 """
 
@@ -23,7 +23,7 @@ from scenic_lite.values.regions import Filtered, Region
 
 
 def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
-    """`Range(low, high)`: uniform; the ends in either order, fixed or random."""
+    """Return `Range(low, high)`: uniform between two fixed or random ends, in either order."""
     check_numbers("Range", low, high)
     place = scope.place(node)
     if is_number(low) and is_number(high):
@@ -35,30 +35,30 @@ def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
 
 
 def span_between(low: float, high: float) -> float:
-    """Return the number that added to `low` gives exactly `high`: the difference, unless rounding exceeds the end."""
+    """Return a span with `low` + span = `high` in floating point; if there is none, one that stays below `high`."""
     span = high - low
     near = (span, math.nextafter(span, 0.0), math.nextafter(span, 2 * span))
     return next((step for step in near if low + step == high), near[1])
 
 
 def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
-    """`Uniform(a, b, ...)`: one of the values, with equal probabilities."""
+    """Return `Uniform(a, b, ...)`: one of the values, with equal probabilities."""
     if len(options) == 1 and isinstance(options[0], list | tuple | set) and scope.mode.phase != EPISODE:
         scope.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
     return weighted(scope, node, list(options), [1.0] * len(options))
 
 
 def draw_element(scope: Scope, node: ast.AST, items: Value) -> Value:
-    """`random.choice(items)`."""
+    """Return `random.choice(items)`."""
     if isinstance(items, RandomChoice) and scope.mode.phase == LOAD:
         return draw_present(scope, node, [items])
     return draw_uniform(scope, node, *scope.elements(items, node))
 
 
 def draw_present(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
-    """`Uniform(*items, other)` of random lists: one of the elements present in a scene, with equal probabilities.
+    """Return `Uniform(*items, other)` for random lists: one of the elements of a scene, with equal probabilities.
 
-    `pieces` are lists, or random choices of lists. Scenes in which all are empty are rejected.
+    `pieces` are lists or random choices of lists. Scenes in which all lists are empty are rejected.
     """
     column, items = scope.draw("choice", scope.place(node)), list[Value]()
     index = present(joined(scope, node, pieces), column, items)
@@ -70,7 +70,7 @@ def draw_present(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
 
 
 def joined(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
-    """Return lists concatenated; a random choice of lists if one of them is random."""
+    """Concatenate lists; the result is a random choice of lists if one of the lists is random."""
     at = next((i for i, piece in enumerate(pieces) if isinstance(piece, RandomChoice)), None)
     if at is None:
         return [item for piece in pieces for item in scope.elements(piece, node)]
@@ -80,7 +80,7 @@ def joined(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
 
 
 def present(lists: Value, column: ThetaColumn, items: list[Value]) -> Value:
-    """Return the index in `items` of the element that a column draws, -1 for an empty list; extends `items`."""
+    """Return the index in `items` of the element that a column selects, -1 for an empty list; extend `items`."""
     if isinstance(lists, RandomChoice):
         return choose(lists.index, [present(option, column, items) for option in lists.options])
     items += [item for i, item in enumerate(lists) if not any(other is item for other in (*items, *lists[:i]))]
@@ -90,8 +90,8 @@ def present(lists: Value, column: ThetaColumn, items: list[Value]) -> Value:
 
 
 def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
-    """`Discrete({value: weight})`: one of the values, with probability proportional to its weight."""
-    if isinstance(weights, list | tuple):  # as `Options` takes them
+    """Return `Discrete({value: weight})`: one of the values, with probability proportional to its weight."""
+    if isinstance(weights, list | tuple):  # `Options` also accepts a list
         return draw_uniform(scope, node, *weights)
     if not isinstance(weights, dict):
         hint = "write Uniform(*items) for one of the elements of a random list" * isinstance(weights, RandomChoice)
@@ -109,17 +109,17 @@ def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
 def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """Return one of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if scope.mode.phase == LOAD else "rejection"  # of the episode, where only the draw fails
+        kind = "value" if scope.mode.phase == LOAD else "rejection"  # an empty choice rejects an episode
         raise ScenicError(kind, "a choice among no values")
     column = scope.draw("choice", scope.place(node))
-    scaled = np.array(weights) / max(weights)  # so that even huge weights do not overflow in the sum
+    scaled = np.array(weights) / max(weights)  # normalized first, since a sum of huge weights may overflow
     shares = np.cumsum(scaled) / scaled.sum()
     column.listed, column.weights = tuple(options), tuple((scaled / scaled.sum()).tolist())
     return shown_choice(column, RandomExpr(Bucketize(shares[:-1]), (column,)), options)
 
 
 def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -> Value:
-    """Return options[index], the value shown for the column."""
+    """Return options[index], which becomes the readable value of the column."""
     value = choose(index, options)
     column.show(value if isinstance(value, RandomExpr) else index, 0.0, float(len(options) - 1))
     if not isinstance(value, RandomExpr):
@@ -128,7 +128,7 @@ def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -
 
 
 class Bucketize:
-    """Maps a uniform number [N] to the index of its bin; `bounds` are the inner bounds of the bins."""
+    """An operation that maps uniform numbers [N] to bin indices; `bounds` are the inner bounds of the bins."""
 
     def __init__(self, bounds: Any) -> None:
         self.bounds = bounds
@@ -138,9 +138,9 @@ class Bucketize:
 
 
 def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
-    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), uniformly or by weight.
+    """Return `DiscreteRange(low, high)`: an integer from ceil(low) to floor(high), uniform or weighted.
 
-    With random ends, a scene whose range is empty is rejected.
+    If the ends are random, scenes with an empty range are rejected.
     """
     check_numbers("DiscreteRange", low, high)
     first, last = apply(operations.CEILING, low), apply(operations.FLOOR, high)
@@ -161,7 +161,7 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
 
 
 def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Value) -> Value:
-    """Return one of the integers, each with its weight."""
+    """Return one of the integers, with the given weights."""
     if not isinstance(weights, list | tuple) or len(weights) != len(integers):
         what = f"one weight for each of its {len(integers)} integers"
         raise ScenicError("value", f"DiscreteRange takes {what}, not {describe_kind(weights)}")
@@ -169,7 +169,7 @@ def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Val
 
 
 def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Value:
-    """`Normal(mean, standard deviation)`, truncated at eight standard deviations."""
+    """Return `Normal(mean, standard deviation)`, truncated at eight standard deviations."""
     check_numbers("Normal", mean, spread)
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
@@ -178,7 +178,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
 
 
 def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
-    """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value conditioned on [low, high]."""
+    """Return `TruncatedNormal(mean, standard deviation, low, high)`: a normal value conditioned on [low, high]."""
     check_numbers("TruncatedNormal", mean, spread, low, high)
     if not (is_number(low) and is_number(high)):
         raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
@@ -194,7 +194,7 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
 
 
 def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]:
-    """Return a uniform point of a region (one column or two), and the region's heading there or None."""
+    """Return a uniform point of a region (one or two columns of θ) and the region's heading at the point, or None."""
     options = region.options if isinstance(region, RandomChoice) else (region,)
     count = max(option.columns for option in options)
     scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
@@ -220,21 +220,21 @@ def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]
 
 
 def point_for(region: Region, uniforms: list[ThetaColumn]) -> tuple[Vector, Value]:
-    """Return the point of a region for unscaled uniform numbers."""
+    """Return the point of a region for unscaled uniform numbers, and the heading at the point."""
     scaled = [offset + span * u for (offset, span), u in zip(region.scales(), uniforms, strict=False)]
     point = region.point(scaled[0], scaled[-1])
     return point, region.heading_of(point, scaled[0])
 
 
 def show_coordinates(columns: list[ThetaColumn], point: Vector, bounds: tuple[float, ...] | None) -> None:
-    """Show the point's coordinates, which are readable, instead of the numbers from which it is computed."""
+    """Make the coordinates of the point the readable values of the columns from which it is computed."""
     low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
     for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
         column.show(shown, low, high)
 
 
 def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
-    """`resample(d)`: an independent draw from the same distribution; only for direct draws and fixed values."""
+    """Return `resample(d)`: an independent draw from the same distribution; only for direct draws and fixed values."""
     drawn = value.index if isinstance(value, RandomChoice) else value
     if not isinstance(drawn, RandomExpr | Vector):
         return value
@@ -248,7 +248,7 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
 
 
 def replaced(value: RandomExpr, known: dict[int, RandomExpr]) -> RandomExpr:
-    """Return a copy of a value with substituted inputs; other values stay the same."""
+    """Return a copy of a value with substituted inputs; a value without substituted inputs is not copied."""
     if id(value) not in known:
         parts = [replaced(operand, known) if isinstance(operand, RandomExpr) else operand for operand in value.inputs]
         same = all(a is b for a, b in zip(parts, value.inputs, strict=True))

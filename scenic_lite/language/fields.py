@@ -1,7 +1,7 @@
-"""Vector fields made of regions, fields given by functions of the program, and paths along a field.
+"""Vector fields from regions or from functions of the program, and paths along a field.
 
-A function that branches on the point is evaluated along all of its branches. Read next:
-`language.scenic_operators`, which has the other uses of fields.
+If a function branches on the point, all of its branches are evaluated. Read next: `language.scenic_operators`, for the
+other uses of fields.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from scenic_lite.values.operations import WHERE
 from scenic_lite.values.regions import Region, VectorField, patched
 
 MOST_STEPS = 1000
-UNPLACED = SourceSpan("", 1, 0, 1, 1)  # of the stand-ins for a moving point
-MOST_OPERATIONS = 100_000  # of one field
+UNPLACED = SourceSpan("", 1, 0, 1, 1)  # the place of placeholders for a moving point
+MOST_OPERATIONS = 100_000  # maximum number in the heading of one field
 
 
 def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
-    """Return a field given by a function of the program, which may branch on the point.
+    """Return the field of a program function, which may branch on the point.
 
-    `heading` checks the function's result.
+    `heading` checks the result of the function.
     """
 
     def heading_at(point: Vector) -> Value:
@@ -45,7 +45,7 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
 
 
 def along_all_ways(scope: Scope, compute: Callable[[Scope], Value], decisions: Sequence[bool] = ()) -> Value:
-    """Return the value of all branches that begin with some decisions, joined by the branches' conditions."""
+    """Return one value for all branches that begin with some decisions, selected by the branch conditions."""
     path = BranchPath([*decisions])
     value = compute(scope.along(path))
     for at in reversed(range(len(decisions), len(path.conditions))):
@@ -57,9 +57,9 @@ def along_all_ways(scope: Scope, compute: Callable[[Scope], Value], decisions: S
 def cells_field(
     name: str, cells: Sequence[tuple[Region, Value]], otherwise: Callable[[Vector], Value], default: Value
 ) -> VectorField:
-    """Return the heading of the first cell that contains the point; that of `otherwise` if the cell's is None.
+    """Return the field with the heading of the first cell around the point, or of `otherwise` if the cell has none.
 
-    Outside all cells `default`; if that is None the field has no heading there, and scenes that need it are rejected.
+    The heading outside all cells is `default`. If `default` is None, scenes that need a heading there are rejected.
     """
     pieces: list[Any] = [(region, otherwise if h is None else (lambda point, h=h: h)) for region, h in cells]
     field = patched(name, pieces, default)
@@ -75,7 +75,7 @@ def cells_field(
 
 # ------------------------------------------------------------ following
 def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]:
-    """Return the end point of equal Euler steps, and the field's heading there."""
+    """Follow a field in equal Euler steps; return the end point and the field's heading at the end point."""
     if not isinstance(field, VectorField):
         raise ScenicError("type", "only a vector field can be followed")
     if not is_scalar(distance):
@@ -85,7 +85,7 @@ def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]
 
 
 def along(field: VectorField, start: Vector, distance: Value) -> Vector:
-    """Return the end of equal Euler steps along a field."""
+    """Return the end point of equal Euler steps along a field."""
     if not (start.fixed and is_number(distance)):
         return followed(field, start, distance)
     steps = int(steps_of(field, distance))
@@ -99,13 +99,13 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
 
 
 def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
-    """Return the end point as one node for any number of steps, if the field is the same in every scene."""
+    """Return the end point as one node, for any number of steps."""
     walk = Walk(field)
     return vector_by(walk, start.x, start.y, distance, *walk.others)
 
 
 def steps_of(field: VectorField, distance: Any) -> Any:
-    """Return the number of steps over a distance: at least the field's minimum, none longer than its maximum."""
+    """Return the number of steps for a distance; the field gives the minimum number and the maximum length of steps."""
     if field.longest_step is None:
         return np.full(np.shape(distance), field.least_steps)
     needed = np.ceil(np.nan_to_num(np.asarray(distance, dtype=float) / field.longest_step, nan=0.0))
@@ -113,7 +113,7 @@ def steps_of(field: VectorField, distance: Any) -> Any:
 
 
 class Walk:
-    """The operation: x, y, distance, and the field's other inputs, each [N] -> x [N], y [N] of the end."""
+    """The operation `follow`: x, y, distance and the field's other inputs, each [N] -> x [N], y [N] of the end."""
 
     def __init__(self, field: VectorField) -> None:
         self.field = field
@@ -125,7 +125,7 @@ class Walk:
 
     @cached_property
     def tape(self) -> Tape | None:
-        """Return the tape of the heading, created when loading is complete, since `pruning` changes nodes."""
+        """Return the tape of the heading; it is created after loading, since `pruning` changes nodes."""
         return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, RandomExpr) else None
 
     def __call__(self, x: Any, y: Any, distance: Any, *others: Any) -> tuple[Any, Any]:

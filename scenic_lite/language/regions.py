@@ -1,7 +1,7 @@
 """Regions and vector fields in programs: the functions that create them, and their methods.
 
-Arguments without a meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`) are accepted. Readable
-attributes are listed in our own tables, never taken from Python objects. Read next: `values.regions`.
+Arguments without a meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`) are accepted but ignored.
+Our own tables list the readable attributes; attributes of Python objects are never read. Read next: `values.regions`.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from scenic_lite.values.regions import (
     patchwork,
 )
 
-MOST_POINTS = 100_000  # along one polyline
-COST = 10_000  # elements of memory charged for a combination of two regions
+MOST_POINTS = 100_000  # maximum number along one polyline
+COST = 10_000  # memory charge for a combination of two regions, in elements
 
 
 def rectangle(position: Value, heading: Value, width: Value, length: Value, name: Value = None) -> Region:
@@ -56,7 +56,7 @@ def sector(
 
 
 def size(name: str, value: Value) -> Value:
-    """Return a length of a region; 0 gives a region of one point or line."""
+    """Check and return a side length or radius of a region; 0 gives a single point or line."""
     extent = number_of(value)
     if is_number(extent) and not 0 <= extent < math.inf:
         raise ScenicError("value", f"the {name} of a region must be finite and not negative, not {extent}")
@@ -70,7 +70,7 @@ def polygon(
 
 
 def polyline(scope: Scope, node: ast.AST, points: Value, orientation: Value = True, name: Value = None) -> Region:
-    """Create one from its points; `orientation` True: along the segments."""
+    """Create a polyline from its points; `orientation` True: headings along the segments."""
     field = True if orientation is True else field_or_none(orientation)
     return PolylineRegion([fixed_points(scope, node, points, 2, "a polyline")], field)
 
@@ -89,7 +89,7 @@ def point_set(
 
 
 def grid(scope: Scope, node: ast.AST, name: Value, grid: Value, *steps: Value, orientation: Value = None) -> Region:
-    """`GridRegion(name, grid, Ax, Ay, Bx, By)`: rows of 0 (free) and 1 (obstacle), spacing and lowest left point."""
+    """Create `GridRegion(name, grid, Ax, Ay, Bx, By)`: rows of 0 (free) or 1 (obstacle), spacing, lower left point."""
     if len(steps) not in (4, 5):
         raise ScenicError("type", "a grid needs its spacing and its lowest left point", hint="write Ax, Ay, Bx, By")
     rows = [scope.elements(row, node) for row in scope.elements(grid, node)]
@@ -102,7 +102,7 @@ def grid(scope: Scope, node: ast.AST, name: Value, grid: Value, *steps: Value, o
 
 
 def workspace(region: Value = None) -> Region:
-    """Return a separate region of the same points: objects in a workspace are pruned less (`pruning`)."""
+    """Return a copy of the region, since `pruning` treats points drawn from the workspace itself differently."""
     if not isinstance(region, Region | None):
         raise ScenicError("type", f"a workspace is made of a region, not {describe_kind(region)}")
     return Everywhere() if region is None else copy(region)
@@ -126,7 +126,7 @@ def vector_field(
 def polygonal_field(
     scope: Scope, node: ast.AST, name: Value, cells: Value, headingFunction: Value = None, defaultHeading: Value = None
 ) -> VectorField:
-    """Return a heading for each cell, or a function for cells without one; `defaultHeading` outside all."""
+    """Return a field with a heading per cell, `headingFunction` in other cells, `defaultHeading` outside all cells."""
     pairs = [cell_of(scope, node, cell) for cell in scope.elements(cells, node)]
     default = None if defaultHeading is None else number_of(defaultHeading)
     if headingFunction is None and default is None and any(heading is None for _, heading in pairs):
@@ -148,7 +148,7 @@ def cell_of(scope: Scope, node: ast.AST, cell: Value) -> tuple[Region, Value]:
 def piecewise_field(
     scope: Scope, node: ast.AST, name: Value, regions: Value, tolerance: Value = 0, defaultHeading: Value = None
 ) -> VectorField:
-    """Return the orientation of the first region that contains the point."""
+    """Return the field with the orientation of the first region that contains the point."""
     parts = [region_of(part, "PiecewiseVectorField") for part in scope.elements(regions, node)]
     field = patchwork(parts, None if defaultHeading is None else number_of(defaultHeading))
     if field is None:
@@ -157,7 +157,7 @@ def piecewise_field(
 
 
 def heading_for(scope: Scope) -> Callable[[Value], Value]:
-    """Return the result of a field's function as a heading, which dialect 3 normalizes."""
+    """Return the conversion of a function's result to a heading; dialect 3 normalizes the heading."""
     return number_of if scope.state.dialect == 2 else lambda value: normalized(number_of(value))
 
 
@@ -177,7 +177,7 @@ def fixed_number(what: str, value: Value) -> float:
 
 
 def corners_of(scope: Scope, node: ast.AST, points: Value, least: int, what: str) -> list[Vector]:
-    """Return points, of two coordinates or three. Raises ScenicError if there are too few."""
+    """Return a list of points with two or three coordinates each. Raises ScenicError for too few or too many points."""
     if points is None or isinstance(points, RandomChoice | Region):
         raise ScenicError("type", f"{what} is given by a list of points, not {describe_kind(points)}")
     elements = scope.elements(points, node)
@@ -243,7 +243,7 @@ def separated_points(self: PolylineRegion, distance: Value) -> list[Vector]:
 
 
 def combining(scope: Scope) -> Any:
-    """Return `values.polygons` for combining regions, which is charged as much as many elements."""
+    """Return `values.polygons` for the combination of two regions, and charge its memory."""
     scope.mode.budget.spend(COST)
     return polygons
 
@@ -283,7 +283,7 @@ def segments(self: PolylineRegion) -> list:
 
 
 def item_of(self: Region | VectorField, index: Value) -> Value:
-    """`field[v]` and `polyline[i]`."""
+    """Return `field[v]` or `polyline[i]`."""
     if isinstance(self, VectorField):
         return self.heading_at(vector_of(index))
     if not isinstance(self, PolylineRegion) or not is_number(index) or index != int(index):
@@ -292,7 +292,7 @@ def item_of(self: Region | VectorField, index: Value) -> Value:
 
 
 def chain_all(scope: Scope, node: ast.AST, regions: Value) -> Region:
-    """Return several polylines as one."""
+    """Combine several polylines into one."""
     parts = scope.elements(regions, node)
     if not all(isinstance(part, PolylineRegion) for part in parts):
         raise ScenicError("type", "only polylines are made into one")
@@ -354,7 +354,7 @@ LINE_FIELDS: dict[str, Callable[[Any], Value]] = {
     "start": lambda self: end_of(self, 0),
     "end": lambda self: end_of(self, -1),
 }
-# Attributes of values by class: the first row that matches.
+# Attributes of values by class; the first matching row counts.
 REGION_METHODS = (
     (PolylineRegion, METHODS | LINE_METHODS),
     (Region, METHODS),
@@ -381,7 +381,7 @@ CLASS_FUNCTIONS = {
         )
     ),
 }
-# name: the function, the type of the name for `isinstance`, and whether it receives the scope and the call
+# name: the function, the types of the name for `isinstance`, and whether the function takes the scope and the call
 CLASSES: dict[str, tuple[Callable[..., Value], tuple[type, ...], bool]] = {
     "RectangularRegion": (rectangle, (RectangularRegion,), False),
     "CircularRegion": (disc, (SectorRegion,), False),

@@ -1,17 +1,17 @@
-"""`require` and `mutate`: conditions on scenes and episodes, and the noise added to objects after the last statement.
+"""`require` and `mutate`: conditions on scenes and episodes, and noise added to objects after the last statement.
 
-A condition is evaluated at its statement, so its errors are reported at that place. If objects have noise, it is
-evaluated again after the last statement, since it applies to the scene with the noise.
+A condition is evaluated at its statement, so its errors have the place of the statement. If objects have noise, every
+condition is evaluated again after the last statement, since it applies to the scene with the noise.
 
-Temporal requirements are linear temporal logic over finite episodes. A formula is evaluated by progression:
-`after(step)` is the remaining requirement on later steps. So `always p` stays itself while p holds, and `eventually p`
-until p holds. The remaining formula is decided once no further step can change it; else `at_end` returns whether it
-would hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
-failed is false at once (Scenic waits for its right side, with the same rejection in the end).
+Temporal requirements use linear temporal logic over finite episodes. A formula is evaluated by progression:
+`after(step)` is the remaining requirement on later steps. For example, `always p` stays unchanged while p holds, and
+`eventually p` until p holds. The remaining formula is decided if no further step can change it. Otherwise `at_end`
+returns whether the formula would hold if the episode ended now. `next` is strong: it does not hold at the last step. An
+`until` is false as soon as its left side fails (Scenic waits for the right side, but finally rejects the same scenes).
 
-The operands of `and`, `or`, `not`, `implies` without temporal operators are one expression, evaluated like any other,
-with short circuits. Every such expression in the remaining formula is evaluated once in a step. A formula without a
-temporal operator applies to the first step. Read next: `core.per_sample`, `scene.constraints`.
+An operand of `and`, `or`, `not` or `implies` without temporal operators is one ordinary expression, with short
+circuits. Every such expression in the remaining formula is evaluated once per step. A formula without a temporal
+operator applies to the first step. Read next: `core.per_sample`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Step = Callable[[ast.expr], bool]  # the truth of an expression in the present s
 
 
 def require(scope: Scope, node: nodes.Require) -> None:
-    """`require[p] condition as name`; a temporal one is also monitored in the episode."""
+    """Execute `require[p] condition as name`; episodes also monitor a temporal condition."""
     state = scope.state
     if scope.mode.symbolic:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
@@ -61,7 +61,7 @@ def require(scope: Scope, node: nodes.Require) -> None:
 
 
 def condition_of(scope: Scope, node: ast.expr) -> Value:
-    """Return a condition over all samples at once; row by row if its functions branch on random values."""
+    """Return a condition as a node over all samples, evaluated row by row if its functions branch on random values."""
     if is_temporal(node):
         false = formula_of(node).known(lambda part: condition_of(scope, part), False)
         return apply(NOT, false)
@@ -78,7 +78,7 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
 
 
 def probability_of(scope: Scope, node: nodes.Require) -> float:
-    """Return the probability p of `require[p]`, 1 if omitted."""
+    """Return the probability p of `require[p]`; the default is 1."""
     probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
         raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
@@ -86,7 +86,7 @@ def probability_of(scope: Scope, node: nodes.Require) -> float:
 
 
 def source_text(scope: Scope, node: ast.AST) -> str:
-    """Return the first line of a statement as the program writes it."""
+    """Return the first line of the statement's source text."""
     place = scope.place(node)
     line = scope.source.line(place.line)
     end = place.end_column if place.end_line == place.line else len(line)
@@ -95,7 +95,7 @@ def source_text(scope: Scope, node: ast.AST) -> str:
 
 # ------------------------------------------------------------ noise
 def mutate(scope: Scope, node: nodes.Mutate) -> None:
-    """`mutate [objects] [by scale]`: add noise to these objects, or to all created so far."""
+    """Execute `mutate [objects] [by scale]`: request noise for these objects, or for all objects created so far."""
     state = scope.state
     if scope.mode.symbolic:
         raise ScenicError("syntax", "`mutate` does not belong into a requirement")
@@ -111,12 +111,12 @@ def mutate(scope: Scope, node: nodes.Mutate) -> None:
 
 
 def apply_mutations(state: LoadState) -> None:
-    """Add the noise of all objects that have any, after the last statement, and update the requirements."""
+    """Add the requested noise to all objects after the last statement, and evaluate the requirements again."""
     noisy = [instance for instance in state.objects if not is_zero(instance.properties["mutationScale"])]
     for instance in noisy:
         try:
             add_noise(state, instance)
-        except ScenicError as error:  # too many draws
+        except ScenicError as error:  # the noise exceeds the limit of draws
             error.place = instance.place
             raise
     if noisy:
@@ -129,7 +129,7 @@ def is_zero(value: Value) -> bool:
 
 
 def add_noise(state: LoadState, instance: Instance) -> None:
-    """Add noise to position and heading; values computed from them do not include the noise."""
+    """Add noise to position and heading; values computed earlier from them exclude the noise."""
     properties = instance.properties
     spread = properties["positionStdDev"]
     if not isinstance(spread, Vector):
@@ -142,7 +142,7 @@ def add_noise(state: LoadState, instance: Instance) -> None:
 
 
 def name_coordinates(instance: Instance) -> None:
-    """Name columns of a coordinate after it, also if the coordinate gets noise."""
+    """Name the columns of the coordinates `x` and `y`, since adding noise would hide the coordinates."""
     position = instance.properties["position"]
     for axis, coordinate in (("x", position.x), ("y", position.y)):
         for column in columns_of(coordinate):
@@ -151,7 +151,7 @@ def name_coordinates(instance: Instance) -> None:
 
 
 def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Value:
-    """Return a normal value with mean 0, one column of θ named like `ego.noise.x`."""
+    """Return normal noise with mean 0: one column of θ with a name such as `ego.noise.x`."""
     spread = instance.properties["mutationScale"] * spread
     if is_zero(spread):
         return 0.0
@@ -162,10 +162,10 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
 
 # ------------------------------------------------------------ temporal logic
 class Formula:
-    """A requirement from some step on; its subclasses are the forms of formulas."""
+    """A requirement on the steps from some step on; each subclass is one form of formula."""
 
     def after(self, step: Step) -> Formula:
-        """Return the remaining requirement on later steps, given that `step` has passed."""
+        """Return the remaining requirement on later steps, given the truths of `step`."""
         match self:
             case Atom(expression):
                 return Settled(step(expression))
@@ -181,7 +181,7 @@ class Formula:
         return self
 
     def at_end(self) -> bool:
-        """Return whether it holds in an episode that ends before its first step."""
+        """Return whether the formula holds in an episode that ends before the formula's first step."""
         match self:
             case Settled(value):
                 return value
@@ -192,7 +192,7 @@ class Formula:
         return False
 
     def known(self, value: Callable[[ast.expr], Value], truth: bool) -> Value:
-        """Return whether it is known to be `truth` after the first step; in Scenic an `until` is never false."""
+        """Return whether the formula is decided as `truth` after one step; as in Scenic, an `until` is never false."""
         match self:
             case Settled(settled):
                 return settled is truth
@@ -209,14 +209,14 @@ class Formula:
 
 @dataclass(frozen=True)
 class Settled(Formula):
-    """True or false, independent of the steps."""
+    """A decided formula, true or false for all further steps."""
 
     value: bool
 
 
 @dataclass(frozen=True)
 class Atom(Formula):
-    """An expression, true or false in one step."""
+    """An expression that is true or false in one step."""
 
     expression: ast.expr
 
@@ -234,7 +234,7 @@ class Both(Formula):
 
 @dataclass(frozen=True)
 class Next(Formula):
-    """`begun`: the step of the `next` itself has passed, and one more is needed."""
+    """The formula `next operand`; `begun`: the step of the `next` itself has passed."""
 
     operand: Formula
     begun: bool = False
@@ -256,7 +256,7 @@ def negation(formula: Formula) -> Formula:
 
 
 def conjunction(left: Formula, right: Formula) -> Formula:
-    """Return the conjunction, simplified: without decided or repeated parts."""
+    """Return the conjunction, simplified by removing decided and repeated parts."""
     if left == FALSE or right == FALSE:
         return FALSE
     if left == TRUE or left in parts_of(right):
@@ -302,7 +302,7 @@ class Check:
         self.rest = formula
 
     def step(self, step: Step) -> None:
-        """Process the present step."""
+        """Update the remaining requirement with the present step."""
         known: dict[int, bool] = {}
 
         def once(expression: ast.expr) -> bool:

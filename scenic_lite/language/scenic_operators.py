@@ -1,6 +1,6 @@
-"""Scenic's operators: distances, angles, relative positions, visibility.
+"""Scenic's operators: distances, angles, relative positions and visibility.
 
-Omitted operands are None and stand for the ego. Read next: `evaluation.expressions`.
+An omitted operand is None and means the ego. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def field_at(scope: Scope, field: Value, place: Value) -> Value:
 
 
 def relative_to(scope: Scope, x: Value, y: Value) -> Value:
-    """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is transformed from an object's frame."""
+    """Return `X relative to Y` or `X offset by Y`: a sum of headings or vectors, or a vector in an object's frame."""
     if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
         first, second = late_heading(x), late_heading(y)
         return LazyValue(first.needs | second.needs, lambda self: first.compute(self) + second.compute(self))
@@ -106,12 +106,12 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
 
 
 def is_random_frame(value: Value) -> bool:
-    """Return whether a value is a random choice of oriented objects, which dialect 2 treats as a vector."""
+    """Return whether a value is a random choice among oriented objects; dialect 2 treats such a value as a vector."""
     return isinstance(value, RandomChoice) and all(is_oriented(option) for option in value.options)
 
 
 def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
-    """Return an OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading added to the base's."""
+    """Return the OrientedPoint at `offset` in the frame of `base`; in dialect 3 `offset` may be a heading to add."""
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
         return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base.place)
@@ -122,7 +122,7 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
 
 
 def late_heading(value: Value) -> LazyValue:
-    """Return a heading that depends on the object's position: a field gives its heading there."""
+    """Return a heading as a lazy value; for a field, the field's heading at the object's position."""
     if isinstance(value, LazyValue):
         return value
     if isinstance(value, VectorField):
@@ -173,7 +173,7 @@ def not_visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
 
 
 def side(name: str) -> Callable[[Scope, Value], Value]:
-    """Return the operator `front of O`, `back left of O`, ..."""
+    """Return the operator for a side: `front of O`, `back left of O`, ..."""
 
     def operator(scope: Scope, instance: Value) -> Value:
         if not is_oriented(instance):
@@ -184,12 +184,12 @@ def side(name: str) -> Callable[[Scope, Value], Value]:
 
 
 def side_words(name: str) -> str:
-    """Return the words of a side: "backLeft" is `back left of`."""
+    """Return the words of a side's operator: "backLeft" gives `back left of`."""
     return re.sub("[A-Z]", lambda capital: " " + capital[0].lower(), name) + " of"
 
 
 def in_initial_scenario(scope: Scope) -> bool:
-    """Return whether the program itself is set up, not a scenario started by a match: `initial scenario`."""
+    """Return `initial scenario`: true while the program itself is set up, false in a scenario that a match starts."""
     return scope.mode.phase == LOAD
 
 

@@ -1,4 +1,4 @@
-"""The meaning of each specifier: `at`, `in`, `ahead of`, `facing` and the others.
+"""The meaning of each specifier: `at`, `in`, `ahead of`, `facing` and others.
 
 Each function takes the scope, the node and the evaluated operands. Read next: `language.scenic_operators`.
 """
@@ -22,7 +22,7 @@ from scenic_lite.values.graph import Value
 from scenic_lite.values.polygons import outside
 from scenic_lite.values.regions import RectangularRegion, Region, VectorField
 
-# For each direction: its unit step; the property whose half is the distance from center to side, width or length.
+# The unit step of each direction; along x the extent is the object's width, along y its length.
 DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
 
 
@@ -33,7 +33,7 @@ def ego_of(scope: Scope) -> Instance:
 
 
 def or_ego(scope: Scope, value: Value) -> Value:
-    """Return an operand, the ego if omitted."""
+    """Return an operand; the ego if the operand is omitted."""
     return ego_of(scope) if value is None else value
 
 
@@ -47,7 +47,7 @@ def viewer_of(scope: Scope, viewer: Value) -> Instance:
 def location_specifier(
     scope: Scope, node: ast.AST, place: Value, heading: Value = None, priority: int = OPTIONAL
 ) -> ResolvedSpecifier:
-    """Return the specifier of a position, and of a heading unless that is None: in dialect 3 the parent's."""
+    """Return the specifier of a position and, unless it is None, a heading (in dialect 3 the parent's heading)."""
     gives = {"position": Given(REQUIRED, place)}
     if heading is not None:
         gives["parentOrientation" if scope.state.dialect == 3 else "heading"] = Given(priority, heading)
@@ -63,9 +63,9 @@ def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
-    """`in R` and `on R`: a uniform point, with the region's orientation if it has one.
+    """Return the specifier `in R` or `on R`: a uniform point, with the region's orientation if it has one.
 
-    In dialect 3 also `on` an object, meaning its rectangle, and `on` a point.
+    In dialect 3, `on` also accepts an object, meaning its rectangle, and a point.
     """
     words = words_of(node)
     on = words == "on" and scope.state.dialect == 3
@@ -80,7 +80,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
 
 
 def check_region(words: str, region: Value) -> bool:
-    """Return whether a region has an orientation. Raises ScenicError if it is not a region."""
+    """Return whether a region has an orientation. Raises ScenicError if the value is not a region."""
     options = region.options if isinstance(region, RandomChoice) else (region,)
     for option in options:
         hint = f"a place is given by `at`, not by `{words}`" if as_vector(option) is not None else ""
@@ -94,7 +94,7 @@ def contained_in(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifie
 
 
 def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> ResolvedSpecifier:
-    """`left of X by D` and the other directions. Dialect 2 ignores X's extent and treats a random X as a vector."""
+    """Return `left of X by D` or another direction. Dialect 2 ignores X's extent and treats a random X as a vector."""
     words = words_of(node)
     step_x, step_y = DIRECTIONS[words]
     extent = "width" if step_x else "length"
@@ -122,7 +122,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
 
 
 def own_extent(anchor: Value, extent: str) -> Value:
-    """Return the width or length of an object; points have none."""
+    """Return the width or length of an object; 0 for a point."""
     if isinstance(anchor, RandomChoice):
         return anchor.each(lambda option: own_extent(option, extent))
     return anchor.properties[extent] if classes.is_object(anchor) else 0.0
@@ -141,14 +141,14 @@ def offset_along(
 
 
 def moved_along(start: Vector, direction: Value, offset: Value, words: str = "offset along ... by") -> Vector:
-    """Return a position by an offset in the frame of a heading, or of a field's heading at the start."""
+    """Return `start` plus an offset in the frame of a heading, or of a field's heading at `start`."""
     field = isinstance(direction, VectorField)
     turn = direction.heading_at(start) if field else classes.heading_of(direction, "offset along")
     return start + classes.vector_of(offset, words).rotated(turn)
 
 
 def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
-    """`beyond X by D from Y`; in dialect 3 with the heading 0, even if Y has another."""
+    """Return the specifier `beyond X by D from Y`; in dialect 3 the parent heading is 0, whatever Y's heading."""
     viewpoint = or_ego(scope, viewpoint)
     far, near_end = classes.vector_of(anchor, "beyond"), classes.vector_of(viewpoint, "beyond ... from")
     shift = Vector(0.0, gap) if is_scalar(gap) else classes.vector_of(gap, "beyond ... by")
@@ -156,14 +156,14 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 
 
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
-    """Return the specifier of a position, and in dialect 3 of a parent heading."""
+    """Return the specifier of a position and, in dialect 3, of a parent heading."""
     return location_specifier(scope, node, place, heading if scope.state.dialect == 3 else None)
 
 
 def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
-    """`visible [from V]`: a point of V's view; `not visible [from V]`: one of the container outside V's view.
+    """Return `visible [from V]`: a point in V's view, or `not visible [from V]`: a container point outside V's view.
 
-    Dialect 3 also requires that V sees the object, or nothing of it, wherever it is placed.
+    Dialect 3 also requires that V sees the object, or sees no part of it, at the final position of the object.
     """
     sight, dialect = VisibilityDemand(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
     view = classes.view_of(sight.viewer)
@@ -195,7 +195,7 @@ def at_position(heading_at: Callable[[Vector], Value]) -> LazyValue:
 
 
 def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
-    """Return a required heading of any form; dialect 3 normalizes it."""
+    """Return the specifier `facing H`: a required heading in any form, which dialect 3 normalizes."""
     if isinstance(direction, VectorField):
         direction = at_position(direction.heading_at)
     finish = normalized if scope.state.dialect == 3 else lambda heading: heading
@@ -220,7 +220,7 @@ def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
-    """Set the heading `turn` relative to the view line; in dialect 3 the yaw, relative to the parent's heading."""
+    """Set the heading to `turn` relative to the line of sight; dialect 3 sets the yaw, relative to the parent."""
     start = classes.vector_of(or_ego(scope, viewpoint), "apparently facing ... from")
     heading = at_position(lambda position: angle_between(start, position) + turn)
     gives = {"yaw" if scope.state.dialect == 3 else "heading": Given(REQUIRED, heading)}

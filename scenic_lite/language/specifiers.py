@@ -1,4 +1,4 @@
-"""Specifiers: the properties that each provides and needs, and the resolution of an instance's properties.
+"""Specifiers, with the properties that they provide and need, and the resolution of an instance's properties.
 
 Read next: `language.specifier_rules`, the meaning of each specifier.
 """
@@ -28,12 +28,12 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalized
 from scenic_lite.values.graph import Value, is_number
 
-REQUIRED, MODIFYING, OPTIONAL = 1, 2, 3  # priorities: the lower number wins
-TILTS = ("orientation", "pitch", "roll")  # of dialect 3
+REQUIRED, MODIFYING, OPTIONAL = 1, 2, 3  # priorities: the lowest number wins
+TILTS = ("orientation", "pitch", "roll")  # properties of dialect 3 that leave the plane
 
 
 class Given(NamedTuple):
-    """The value that a specifier gives a property, or a LazyValue of other properties."""
+    """The value that a specifier gives to a property; a LazyValue if it depends on other properties."""
 
     priority: int
     value: Value
@@ -41,9 +41,9 @@ class Given(NamedTuple):
 
 @dataclass(eq=False)
 class ResolvedSpecifier:
-    """One specifier with its operands evaluated.
+    """One specifier with evaluated operands.
 
-    `always` is applied even if specifiers of higher priority provide all of its properties.
+    `always` is called even if specifiers of higher priority provide all of the properties.
     """
 
     name: str
@@ -53,14 +53,14 @@ class ResolvedSpecifier:
 
     @property
     def needs(self) -> frozenset[str]:
-        """Return the properties of the same object on which it depends."""
+        """Return the properties of the same object on which the specifier depends."""
         needs = [given.value.needs for given in self.gives.values() if isinstance(given.value, LazyValue)]
         return needs[0] if len(needs) == 1 else frozenset().union(*needs)
 
 
 @dataclass(eq=False)
 class Resolution:
-    """The properties of one instance, each computed after its dependencies."""
+    """The computation of an instance's properties in the order of their dependencies."""
 
     scope: Scope
     instance: Instance
@@ -100,7 +100,7 @@ class Resolution:
 
 
 def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], instance: Instance) -> Instance:
-    """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
+    """Resolve the properties of a new instance; add an Object to the scene."""
     refuse(scope, cls, specifiers)
     by_property = resolve_priorities(scope, specifiers)
     for name in cls.property_names():
@@ -123,7 +123,7 @@ def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], in
 
 
 def refuse_tilt(scope: Scope, instance: Instance, by_property: dict[str, ResolvedSpecifier]) -> None:
-    """Raise ScenicError for a specifier or a class that leaves the plane; a pitch and a roll of 0 do not."""
+    """Raise ScenicError for a specifier or a class that leaves the plane; a pitch or roll of 0 is allowed."""
     for name in TILTS:
         value = instance.properties.get(name, 0)
         if (name == "orientation" and name in by_property) or not (is_number(value) and value == 0):
@@ -133,7 +133,7 @@ def refuse_tilt(scope: Scope, instance: Instance, by_property: dict[str, Resolve
 
 
 def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
-    """Raise ScenicError for a specifier of a final property or a reserved name, or a facing without a heading."""
+    """Raise ScenicError for a specifier of a final property or reserved name, or `facing` without a heading."""
     for specifier in specifiers:
         message = hint = ""
         for name in specifier.gives:
@@ -148,7 +148,7 @@ def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) 
 
 
 def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
-    """Return for each property its specifier. Raises ScenicError if two have the same priority."""
+    """Return the specifier of each property. Raises ScenicError if two specifiers have the same priority."""
     seen: set[str] = set()
     by_property: dict[str, ResolvedSpecifier] = {}
     for new in specifiers:
@@ -167,7 +167,7 @@ def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dic
 def default_of(
     scope: Scope, cls: ScenicClass, name: str, instance: Instance, owner: str | None = None
 ) -> ResolvedSpecifier:
-    """Return the class's default for a property as a specifier; `additive` ones collect those of all bases."""
+    """Return the default of a property as a specifier; an `additive` property collects the defaults of all bases."""
     defaults = cls.defaults_of(name)
     additive = "additive" in defaults[0].attributes
     used = defaults if additive else defaults[:1]
@@ -184,7 +184,7 @@ def default_of(
 def optional(
     title: str, instance: Instance, name: str, compute: Callable[[Instance], Value], *needs: str
 ) -> ResolvedSpecifier:
-    """Return the default for an instance; errors are reported where the instance is created."""
+    """Return a default as a specifier; its errors have the place where the instance is created."""
     place = instance.place
     node = ast.Pass(
         lineno=place.line, col_offset=place.column, end_lineno=place.end_line, end_col_offset=place.end_column
@@ -195,7 +195,7 @@ def optional(
 def split_heading(
     scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
 ) -> None:
-    """Set dialect 3's heading to parent's + yaw, unless required; the class's default is the parent's."""
+    """Set dialect 3's heading to parent heading + yaw, unless specified; a class default is the parent heading."""
     heading, yaw = by_property["heading"], by_property.get("yaw")
     if not heading.name.startswith("default"):
         if yaw is not None:
@@ -214,7 +214,7 @@ def split_heading(
 
 # ------------------------------------------------------------ `with`
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
-    """`with name value`."""
+    """Return the specifier `with name value`."""
     if name == "behavior" and isinstance(value, Behavior):
         scope.warn(
             f"the behavior {value.name} is written without brackets", node, f"write with behavior {value.name}()"
@@ -226,7 +226,7 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
 
 
 def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
-    """Return a drawn behavior as the behavior `A or B(chosen): do chosen`; any other value unchanged."""
+    """Wrap a random choice of behaviors in a behavior `A or B(chosen): do chosen`; return other values unchanged."""
     if not isinstance(value, RandomChoice) or not all(isinstance(option, BehaviorCall) for option in value.options):
         return value
     name = " or ".join(dict.fromkeys(option.behavior.name for option in value.options))
@@ -239,7 +239,7 @@ def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
-    """Warn about a property that the class does not declare, if it is probably a mistake."""
+    """Warn about an undeclared property if it is probably a mistake."""
     known = cls.property_names()
     if name in known:
         return

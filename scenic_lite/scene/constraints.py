@@ -1,6 +1,6 @@
 """The constraints of every scene: no overlaps, containment, visibility, and the program's requirements.
 
-Overlaps and rectangular containers are tested for all objects at once, since every scene needs these tests; all other
+Overlaps and rectangular containers are tested for all objects at once, since every scene needs these tests. All other
 constraints are nodes of the graph. Read next: `scene.program`.
 """
 
@@ -22,24 +22,24 @@ from scenic_lite.values.graph import RandomExpr, Tape, Value, apply
 from scenic_lite.values.operations import NOT, OR, RECTANGLES_MEET
 from scenic_lite.values.regions import Everywhere, RectangularRegion, Region
 
-BLOCK = 8192  # numbers in one array while constraints are tested
-SHOWN = 8  # constraints in a report, the worst first
+BLOCK = 8192  # size of one array in constraint tests, in numbers
+SHOWN = 8  # maximum number of constraints in a report, in order of decreasing share
 
 
 class Constraint(NamedTuple):
-    """One condition on a scene: its `label` in the report, and its origin."""
+    """One condition on a scene, with its `label` in the report and its origin."""
 
     label: str
     place: SourceSpan
     kind: str  # "require", "containment", "overlap", "visibility"
-    probability: float = 1.0  # below 1: a soft requirement, active in that share of the scenes
+    probability: float = 1.0  # below 1: a soft requirement, active in this share of the scenes
 
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """The rectangles of all objects in N scenes, arrays [O, N], or [O, 1] where they never vary.
+    """The rectangles of all objects in N scenes: arrays [O, N], or [O, 1] if they are constant.
 
-    Objects are the first axis so that the values of one object, or of one constraint, are contiguous.
+    Objects are the first axis, so that the values of one object or one constraint are contiguous.
     """
 
     x: Any
@@ -49,7 +49,7 @@ class Outlines:
     length: Any
 
     def of(self, objects: Any) -> tuple[Any, ...]:
-        """Return x, y, heading, width, length of some objects."""
+        """Return x, y, heading, width, length of the selected objects."""
         return tuple(part[objects] for part in (self.x, self.y, self.heading, self.width, self.length))
 
 
@@ -59,7 +59,7 @@ class BatchedTest:
 
     Attributes:
         constraints: the K constraints.
-        members: for each object position of a constraint, an array [K] of object indices.
+        members: for each object of a constraint (such as the first of a pair), an array [K] of object indices.
         violated: the test, from x, y, heading, width, length of each member, arrays [k, N], to booleans [k, N].
     """
 
@@ -68,7 +68,7 @@ class BatchedTest:
     violated: Callable[..., Any]
 
     def fails(self, outlines: Outlines) -> Any:
-        """Return which constraints are violated: [K, N]; in blocks that fit into the processor's cache."""
+        """Return the violated constraints, [K, N] bool; computed in blocks that fit into the processor's cache."""
         size = max(1, BLOCK // max(1, outlines.x.shape[1]))
         parts = []
         for start in range(0, len(self.constraints), size):
@@ -78,7 +78,7 @@ class BatchedTest:
 
 
 def overlaps_of(objects: list[Instance]) -> BatchedTest | None:
-    """Return the test of every pair of objects that may not overlap."""
+    """Return the test of all pairs of objects that must not overlap."""
     strict = [i for i, instance in enumerate(objects) if instance.properties["allowCollisions"] is False]
     pairs = np.array([(i, j) for j in strict for i in strict if i < j], dtype=int).reshape(-1, 2)
     constraints = [
@@ -88,9 +88,9 @@ def overlaps_of(objects: list[Instance]) -> BatchedTest | None:
 
 
 def meet(*numbers: Any) -> Any:
-    """Return the result of `rectangles_meet`, called only for pairs whose circumscribed circles meet."""
+    """Return whether rectangles meet; `rectangles_meet` is called only for pairs whose circumscribed circles meet."""
     ax, ay, heading_a, width_a, length_a, bx, by, heading_b, width_b, length_b = numbers
-    if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # axis-aligned, the usual case
+    if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # axis-aligned, the most frequent case
         return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
     dx, dy = ax - bx, ay - by
     reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
@@ -107,7 +107,7 @@ def containment_of(region: RectangularRegion, where: list[int], constraints: lis
     half_width, half_length = region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS
 
     def sticks_out(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
-        """Return whether a rectangle leaves its container, by its extent along the container's axes."""
+        """Return whether a rectangle leaves its container, from its extent along the container's axes."""
         dx, dy = x - position.x, y - position.y
         turn_c, turn_s = np.abs(np.cos(heading - region.heading)), np.abs(np.sin(heading - region.heading))
         across, along = (width * turn_c + length * turn_s) / 2, (width * turn_s + length * turn_c) / 2
@@ -118,10 +118,10 @@ def containment_of(region: RectangularRegion, where: list[int], constraints: lis
 
 
 class Constraints:
-    """All R constraints of a program: those of arrays first, then the nodes of the graph."""
+    """All R constraints of a program: first the batched tests, then the nodes of the graph."""
 
     def __init__(self, batched: list[BatchedTest], nodes: list[tuple[Constraint, Value]]) -> None:
-        """Create from batched tests, and from nodes, each of which is true if its constraint holds."""
+        """Create from batched tests and from nodes; a node is true if its constraint holds."""
         self.batched, self.nodes = batched, nodes
         self.all = (
             *(constraint for test in batched for constraint in test.constraints),
@@ -137,7 +137,7 @@ class Constraints:
         self._slots = [tape.slot(value) if isinstance(value, RandomExpr) else bool(value) for _, value in self.nodes]
 
     def failed(self, registers: list[Any], outlines: Outlines, count: int) -> np.ndarray:
-        """Return which constraints are violated: [R, N]."""
+        """Return the violated constraints: [R, N] bool."""
         failed = np.empty((len(self.all), count), dtype=bool)
         at = 0
         for test in self.batched:
@@ -148,13 +148,13 @@ class Constraints:
         return failed
 
     def members(self) -> Iterator[tuple[Constraint, tuple[int, ...]]]:
-        """Yield the objects of each constraint of arrays."""
+        """Yield the constraints of batched tests with the indices of their objects."""
         for test in self.batched:
             yield from zip(test.constraints, zip(*test.members, strict=True), strict=True)
 
 
 def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
-    """Return all constraints from the objects and requirements of a program."""
+    """Return all constraints that follow from the objects and requirements of a program."""
     nodes: list[tuple[Constraint, Value]] = []
     overlaps = overlaps_of(objects)
     batched = [] if overlaps is None else [overlaps]
@@ -174,7 +174,7 @@ def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
 
 
 def constraint_of_requirement(state: LoadState, constraints: Constraints) -> list[int | None]:
-    """Return the constraint of each requirement; None for one that holds in every scene."""
+    """Return the constraint index of each requirement; None for a requirement that always holds."""
     at = len(constraints.all) - sum(requirement.condition is not True for requirement in state.requirements)
     numbers: list[int | None] = []
     for requirement in state.requirements:
@@ -184,7 +184,7 @@ def constraint_of_requirement(state: LoadState, constraints: Constraints) -> lis
 
 
 def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
-    """Return the objects of each container: an object's own region if it has one, else the workspace."""
+    """Return the objects and the label of each container: the object's own region, or by default the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
     for i, instance in enumerate(objects):
         own = instance.properties["regionContainedIn"]
@@ -199,7 +199,7 @@ def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[lis
 
 
 def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """Yield the overlap constraints of pairs of which one allows collisions in some scenes only."""
+    """Yield the overlap constraints of pairs in which an object allows collisions in some scenes only."""
     for j, b in enumerate(objects):
         for a in objects[:j]:
             allowed = [instance.properties["allowCollisions"] for instance in (a, b)]
@@ -242,19 +242,19 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class RejectionReport:
-    """The number of valid θ among some uniform draws, and the share of draws that each constraint rejects by itself.
+    """The number of valid θ among uniform draws, and the share of draws that each constraint rejects by itself.
 
-    A draw may violate several constraints, so the shares need not add up.
+    A draw may violate several constraints, so the shares may sum to more than the share of rejected draws.
     """
 
     file: str
     draws: int
     accepted: int
-    rejected: tuple[tuple[Constraint, float], ...]  # only constraints that rejected a draw, the largest share first
+    rejected: tuple[tuple[Constraint, float], ...]  # only constraints that rejected a draw, by decreasing share
 
     @property
     def acceptance(self) -> float:
-        """Return the share of the draws that were valid."""
+        """Return the share of valid draws."""
         return self.accepted / self.draws
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""The columns of θ and their readable, unique names; the names of objects in constraints.
+"""Readable and unique names for the columns of θ and for the objects in constraints.
 
 Read next: `scene.program`.
 """
@@ -21,8 +21,8 @@ class Draw(NamedTuple):
     """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
 
     `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
-    the value in the program's units (of the index, for a choice; nan if they are random). For a choice, `options` are
-    the titles of the options, and `weights` the share of [-1, 1] of each, in the same order.
+    the value in the program's units (for a choice, of the index; nan if the limits are random). For a choice, `options`
+    are the titles of the options, and `weights` their shares of [-1, 1], in the same order.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Draw(NamedTuple):
 
 
 class ThetaLayout:
-    """The D columns of θ: `columns` are the leaves of the graph, `draws` their descriptions."""
+    """The D columns of θ: `columns` are the leaves of the graph, `draws` are their descriptions."""
 
     def __init__(self, file: str, columns: list[ThetaColumn], draws: tuple[Draw, ...]) -> None:
         self.file, self.columns, self.draws = file, columns, draws
@@ -43,7 +43,7 @@ class ThetaLayout:
         self.span = np.array([column.span for column in columns])[:, None]  # [D, 1]
 
     def checked(self, theta: Any) -> np.ndarray:
-        """Return theta as an array [N, D]. Raises ValueError if it is invalid."""
+        """Return theta as a float array [N, D]. Raises ValueError if theta is invalid."""
         expected = f"theta must be an array of numbers of the shape [N, {len(self.columns)}] for {self.file}"
         try:
             array = np.asarray(theta)
@@ -56,7 +56,7 @@ class ThetaLayout:
         return array.astype(float, copy=False)
 
     def scaled(self, theta: np.ndarray) -> np.ndarray:
-        """Return columns [D, N], each contiguous: from [-1, 1] to offset + [0, 1] · span."""
+        """Scale theta from [-1, 1] to offset + [0, 1] · span; return contiguous columns [D, N]."""
         unit = np.minimum(np.maximum(theta.T, -1.0), 1.0, order="C")
         unit += 1.0
         unit *= 0.5 * self.span
@@ -70,7 +70,7 @@ class ThetaLayout:
 
 
 def unique(names: Iterable[str]) -> list[str]:
-    """Return the same names, repeated ones numbered from 2."""
+    """Return unique names; repeated names are numbered from 2."""
     taken: set[str] = set()
     result = []
     for name in names:
@@ -84,14 +84,14 @@ def unique(names: Iterable[str]) -> list[str]:
 
 
 def name_objects(objects: list[Instance]) -> list[Instance]:
-    """Give every object the label that constraints and columns use."""
+    """Set the unique label of every object for constraints and columns."""
     for instance, label in zip(objects, unique(instance.title() for instance in objects), strict=True):
         instance.label = label
     return objects
 
 
 def title_of(value: Value) -> str:
-    """Return the text of a chosen value."""
+    """Return the title of an option of a random choice."""
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, Vector) and value.fixed:
@@ -102,14 +102,14 @@ def title_of(value: Value) -> str:
 
 
 def titles_of_options(options: Sequence[Value]) -> tuple[str, ...]:
-    """Return the texts of several options, numbered if they are not unique."""
+    """Return the titles of the options; equal titles are numbered."""
     titles = [title_of(option) for option in options]
     times = Counter(titles)
     return tuple(f"{t} (no. {k} of {len(titles)})" if times[t] > 1 else t for k, t in enumerate(titles, 1))
 
 
 def name_arguments(objects: list[Instance]) -> None:
-    """Name draws made for an argument of a behavior after it, unless a variable holds them: `ego.behavior.speed`."""
+    """Name the draws in a behavior's arguments, such as `ego.behavior.speed`, unless a variable holds them."""
     for instance in objects:
         behavior = instance.properties["behavior"]
         arguments = behavior.arguments if isinstance(behavior, BehaviorCall) else {}
@@ -122,7 +122,7 @@ def name_arguments(objects: list[Instance]) -> None:
 
 
 def owners_of(column: ThetaColumn) -> list[Instance]:
-    """Return the chain of owners of a column: an object, the object in whose specifiers that was created, and so on."""
+    """Return the chain of owners of a column: an object, then the object whose specifier created it, and so on."""
     owners, owner = [], column.owner
     while owner is not None:
         owners.append(owner[0])
@@ -131,7 +131,7 @@ def owners_of(column: ThetaColumn) -> list[Instance]:
 
 
 def shown_parts(value: Value) -> list[Value]:
-    """Return what a column may represent of a value: itself, its coordinates, or the index of a choice."""
+    """Return the parts of a value that a column may represent: the value, its coordinates, or the index of a choice."""
     vector = as_vector(value)
     if vector is not None:
         return [vector.x, vector.y]
@@ -139,7 +139,7 @@ def shown_parts(value: Value) -> list[Value]:
 
 
 def column_names(columns: list[ThetaColumn]) -> list[str]:
-    """Return a name for each column: its variable, or object and axis, or object and property."""
+    """Return a name for each column: a variable, an object with an axis, or an object with a property."""
     return unique(column_name(column) for column in columns)
 
 
@@ -156,7 +156,7 @@ def column_name(column: ThetaColumn) -> str:
 
 
 def axis_of(column: ThetaColumn, instance: Instance) -> str:
-    """Return x or y, if the column is that of a point or of the instance's position."""
+    """Return the axis of a column that belongs to a drawn point or to the instance's position, otherwise ""."""
     if column.draw_kind.startswith("point."):
         return column.draw_kind.removeprefix("point.")
     position = instance.properties.get("position")
@@ -166,7 +166,7 @@ def axis_of(column: ThetaColumn, instance: Instance) -> str:
 
 
 def path_of(instance: Instance) -> str:
-    """Return an object's label; for a point made inside a specifier, its owner's name and the property."""
+    """Return an object's label; for a point created inside a specifier, the name of its owner and the property."""
     if instance.label or instance.name or instance.owner is None:
         return instance.title()
     owner, name = instance.owner

@@ -1,15 +1,16 @@
-"""Program: the layout of θ, and scenes, validity and samples from it; the interface of this package.
+"""Program, the main interface of the package: it maps θ to scenes and samples valid θ.
 
-    program = load("free.scenic")                         the text is walked once
+    program = load("free.scenic")                         evaluate the text once
     theta, scenes = program.sample(256, rng)              [256, D] valid θ, and their scenes
     scenes = program.instantiate(theta)                   the same scenes: θ determines a scene
     scenes.positions, scenes.ok                           [256, O, 2], [256]
 
-`Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. The walk creates the
-graph of all values in scenes, which a Program lays out as a flat tape: N rows of θ become N scenes by one array
-operation for each node. The language is Scenic's (Fremont et al. 2019), θ holds the free parameters of a UPOMDP (Dennis
-et al. 2020). Constraints are nodes, too, or tests of all objects at once: a row that violates one is rejected, and
-`sample` draws another one. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
+`Range(0, 80)` is a node that reads a column of θ; `Range(0, 80) + 2` is a node that reads the first node. The walk
+creates the graph of all values in scenes, and a Program compiles the graph into a flat tape. One array operation per
+node then turns N rows of θ into N scenes. The language is Scenic (Fremont et al. 2019); θ holds the free parameters of
+a UPOMDP (Dennis et al. 2020). Constraints are also nodes, or tests of all objects at once. A row that violates a
+constraint is rejected, and `sample` draws another row.
+Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -35,34 +36,34 @@ from scenic_lite.scene.theta import theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
-FIRST_DRAWS = 4096  # if none of these is valid, the program counts as impossible
-DRAWS_PER_SCENE = 20_000  # afterwards, so that sampling always ends
-OUTLINE = ("position", "heading", "width", "length", "allowCollisions")  # the properties that determine overlaps
+FIRST_DRAWS = 4096  # if none of these draws is valid, sampling fails
+DRAWS_PER_SCENE = 20_000  # maximum number of further draws, so that sampling always ends
+OUTLINE = ("position", "heading", "width", "length", "allowCollisions")  # properties that determine overlaps
 
 
 class Program:
-    """A compiled `.scenic` source. Made by `load`.
+    """A compiled `.scenic` source, created by `load`.
 
     Attributes:
         source, file: the text and its origin; `dialect` 2 or 3.
-        warnings: legal code that is probably a mistake.
+        warnings: valid code that is probably a mistake.
         printed: lines that the program printed while it was loaded.
-        objects: the O objects, the ego first, then in order of creation; `instances`: the interpreter's objects.
-        params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
-        param_places: where each parameter, random or not, was set; `fixed_params`: those that the caller of `load` set.
+        objects: the O objects, first the ego, then in order of creation; `instances`: the interpreter's objects.
+        params: the parameters with fixed values; `Scenes.params` holds random ones.
+        param_places: the place that sets each parameter; `fixed_params`: the parameters that the caller of `load` set.
         requirements: the R constraints of a scene, in the order of `Scenes.failed`.
-        behaviors, monitors, terminations, records, temporal: the dynamic half, kept as trees.
-        main: the main modular scenario, if the program has one; its names are those of `main_frame`.
+        behaviors, monitors, terminations, records, temporal: the dynamic part of the program, as trees.
+        main: the main modular scenario, if the program has one; `main_frame` holds its names.
         read_in_episodes: the values that behaviors, monitors and conditions read.
         mode: the mode in which `scenic_lite.dynamics` evaluates the trees.
         layout: the D columns of θ, in order of first appearance.
 
-    It is immutable once loaded: copies are the program itself. It is not thread-safe, and is not pickled: another
-    process loads the same text, and maps the same θ to the same scenes.
+    A loaded Program is immutable, so a copy is the program itself. It is not thread-safe and cannot be pickled.
+    Another process loads the same text, which maps the same θ to the same scenes.
     """
 
     def __init__(self, mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
-        """Make the Program of a load whose statements have all run. Raises ScenicError if it has no valid scene."""
+        """Create the Program of a load after its last statement. Raises ScenicError if it has no valid scene."""
         state = mode.state
         self.mode, self.source, self.file, self.dialect = mode, text, source.file, state.dialect
         self.warnings, self.printed = warnings, tuple(state.printed)
@@ -107,34 +108,34 @@ class Program:
 
     @property
     def draws(self) -> tuple[naming.Draw, ...]:
-        """Return one Draw for each of the D columns of θ."""
+        """Return the descriptions of the D columns of θ."""
         return self.layout.draws
 
     @property
     def workspace(self) -> Region | None:
-        """Return the region in which all objects must stand, if the program names one."""
+        """Return the region that must contain all objects without their own container, or None."""
         return self.mode.state.workspace
 
     @property
     def drawn_regions(self) -> tuple[Region, ...]:
-        """Return the regions from which points are drawn, as named."""
+        """Return the regions from which the program draws points, before pruning."""
         return tuple(dict.fromkeys(drawn.whole or drawn.region for drawn in self.mode.state.points))
 
     def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
-        """Return an error at a place of the program, for callers that reject it."""
+        """Return an error at a place of the program, for callers that reject the program."""
         return ScenicError(kind, message, place, hint=hint, source_line=self.line_of(place))
 
     def line_of(self, place: SourceSpan) -> str:
-        """Return the line of the program's text, or of a module's, where a place begins."""
+        """Return the source line, of the program or a module, in which a place begins."""
         source = self.mode.state.sources.get(place.file)
         return "" if source is None else source.line(place.line)
 
     # ------------------------------------------------------------ from θ to scenes
 
     def instantiate(self, theta: np.ndarray) -> Scenes:
-        """Return the scenes of theta [N, D] in [-1, 1] (clipped to it); rows are independent.
+        """Return the N scenes of theta [N, D], clipped to [-1, 1]; rows are independent.
 
-        Never raises for rows without a valid scene: their `ok` is False.
+        A row without a valid scene does not raise an error: its `ok` is False.
         """
         self.mode.budget.new_call()
         registers, outlines, ok, failed, _ = self._evaluate(self.layout.checked(theta))
@@ -152,7 +153,7 @@ class Program:
         return self.layout.row(theta)
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
-        """Return the values of one row theta [D], by name of the draw, in the program's units."""
+        """Return the draws of one row theta [D] by name, in the program's units."""
         with np.errstate(all="ignore"):
             registers = self._shown.run(self.layout.scaled(self.layout.checked(np.asarray(theta, dtype=float)[None])))
         values = {}
@@ -164,13 +165,13 @@ class Program:
 
     @cached_property
     def _shown(self) -> Tape:
-        """Return the tape of the readable value of each column."""
+        """Return the tape of the readable values of all columns."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
     def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, CheckResults]:
-        """Return the registers of theta [N, D], their `ok` [N] and `failed` [R, N], and their faults.
+        """Return the registers of theta [N, D], `outlines`, `ok` [N] and `failed` [R, N], and their faults.
 
-        Sampling needs only these for a candidate: creating scenes takes as long again.
+        Sampling needs no more for a candidate; the creation of scenes would double the time.
         """
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
@@ -192,8 +193,8 @@ class Program:
     def _evaluate_candidates(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, CheckResults]:
         """Return `ok` [N] and `failed` [R, N] of theta [N, D], and their faults.
 
-        Conditions that arrays cannot evaluate are slow. As in Scenic, they are evaluated only where every rule before
-        them holds. In the other rows, which are rejected anyway, they count as false.
+        Conditions that arrays cannot evaluate are slow. As in Scenic, they are evaluated only in rows in which every
+        earlier rule holds. In all other rows, which are rejected anyway, they count as false.
         """
         slow = [
             (operation, rule)
@@ -215,18 +216,18 @@ class Program:
             return self._evaluate(theta)[2:]
 
     def sample(self, n: int, rng: np.random.Generator) -> tuple[np.ndarray, Scenes]:
-        """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes; see `sample_theta`."""
+        """Draw n valid scenes uniformly by rejection; return theta [n, D] and its Scenes. See `sample_theta`."""
         theta = self.sample_theta(n, rng)
         return theta, self.instantiate(theta)
 
     def sample_theta(self, n: int, rng: np.random.Generator) -> np.ndarray:
         """Draw theta [n, D] of n valid scenes, uniformly by rejection.
 
-        A soft requirement is active in its share of the scenes, drawn once for each.
+        Each scene draws once whether a soft requirement is active in it, with the requirement's probability.
 
         Raises:
-            ScenicError: of kind `rejection` with the report if no draw is valid, of another kind if a requirement
-                fails in a scene.
+            ScenicError: of kind `rejection`, with the report, if too few draws are valid; of another kind if the
+                evaluation of a requirement fails in a scene.
         """
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
@@ -235,7 +236,7 @@ class Program:
         for i in soft:
             in_force[:, i] = rng.random(n) < self.requirements[i].probability
         theta = np.empty((n, self.dim))
-        pending = np.arange(n)  # [P], the scenes without a valid draw so far
+        pending = np.arange(n)  # [P], scenes that still have no valid draw
         draws = accepted = 0
         self.mode.budget.new_call(n)
         while len(pending):
@@ -250,17 +251,17 @@ class Program:
                 valid = valid & ~violated.any(axis=1)
             valid = valid.reshape(len(pending), tries)  # [P, K]
             if faults.any:
-                tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first valid one
+                tried = valid.cumsum(axis=1) <= valid  # candidates count in order, up to the first valid one
                 faults.raise_first(violated, tried.ravel())
             draws, accepted = draws + len(candidates), accepted + int(valid.sum())
             solved = valid.any(axis=1)  # [P]
-            first_valid = np.arange(len(pending)) * tries + valid.argmax(axis=1)  # [P], rows of the candidates
+            first_valid = np.arange(len(pending)) * tries + valid.argmax(axis=1)  # [P], row indices of the candidates
             theta[pending[solved]] = candidates[first_valid[solved]]
             pending = pending[~solved]
         return theta
 
     def report(self, n: int, rng: np.random.Generator) -> constraints.RejectionReport:
-        """Return the share of n uniform draws that each constraint rejects."""
+        """Return a report with the share of n uniform draws that each constraint rejects."""
         if n < 1:
             raise ValueError(f"a report needs at least one draw, not {n}")
         scenes = self.instantiate(rng.uniform(-1.0, 1.0, (n, self.dim)))
@@ -281,12 +282,12 @@ class Program:
     def theta(self, description: Mapping[Any, Any], default: np.ndarray | None = None) -> np.ndarray:
         """Return the rows of theta [N, D] of described scenes, valid or not: the inverse of `instantiate`.
 
-        `description` is like `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an object (its label or index), a
-        parameter or a draw. An object takes (x, y), (x, y, heading in radians) or a dict of properties; each number or
-        text may be an array [N], each position one [N, 2]. `default` [D] or [N, D] gives the remaining draws.
+        An example of `description` is `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an object (label or index),
+        a parameter or a draw. The value of an object is (x, y), (x, y, heading in radians) or a dict of properties. A
+        number or text may be an array [N], a position an array [N, 2]. `default` [D] or [N, D] sets all other draws.
 
         Raises:
-            ScenicError: naming undetermined draws, or a value for which no θ was found.
+            ScenicError: some draws are undetermined, or no θ was found for a value; the message names them.
         """
         if not isinstance(description, Mapping):
             raise TypeError(f"scenes are described like {{'ego': (30, 5)}}, not by {description!r:.80}")
@@ -302,7 +303,7 @@ class Program:
     # ------------------------------------------------------------ three trial rows
 
     def _refuse_impossible(self) -> None:
-        """Raise ScenicError for constraints that fixed objects violate, and for operations on mixed kinds."""
+        """Raise ScenicError for constraints that fixed objects violate, and for operations on values of mixed kinds."""
         trial = np.linspace(-0.9, 0.9, 3)[:, None] * np.ones(self.dim)  # [3, D]
         try:
             scenes = self.instantiate(trial)
@@ -328,16 +329,16 @@ class Program:
 
 
 def tries_for_each(pending: int, draws: int, accepted: int) -> int:
-    """Return how many candidates each pending scene gets, so that most of them get a valid one."""
+    """Return the number of candidates for each pending scene, so that most scenes get a valid candidate."""
     likely = (draws + 1) // (accepted + 1) + 1 if draws else 1
     return max(1, min(likely, FIRST_DRAWS // pending))
 
 
 # ------------------------------------------------------------ random values
 def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[Value]:
-    """Return every value that the program's behaviors and monitors read, also through functions and behaviors.
+    """Return all values that behaviors and monitors read, directly or through functions and other behaviors.
 
-    Their random values are sampled with the scene; a behavior's own draws are not.
+    The random values among them are sampled with the scene. Draws inside a behavior are sampled in the episode.
     """
     attached = [instance.properties["behavior"] for instance in objects]
     calls = [value for value in (*attached, *state.monitors) if isinstance(value, BehaviorCall)]
@@ -352,7 +353,7 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
 
 
 def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
-    """Raise ScenicError for a property or parameter that scenes cannot hold."""
+    """Raise ScenicError for a property or parameter that is too large for a scene."""
     for instance in objects:
         with state.with_location(instance.place):
             refuse_huge(instance.properties, f"a property of {instance.title()}")
@@ -362,7 +363,7 @@ def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
 
 
 def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> naming.ThetaLayout:
-    """Return the columns of θ: the draws that reach any root, in order of first appearance, named."""
+    """Return the named columns of θ: the draws on which any root depends, in order of first appearance."""
     used = {id(column) for column in columns_of(*roots)}
     columns = [column for column in state.columns if id(column) in used]
     naming.name_arguments(objects)
@@ -376,7 +377,7 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
 
 
 def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
-    """Return the place of a draw; for a default of a library's class, the place where its object is created."""
+    """Return the place of a draw; for a default of a library class, the place that creates the object."""
     place, owner = column.place, column.owner
     while state.sources[place.file].library and owner is not None:
         place, owner = owner[0].place, owner[0].owner

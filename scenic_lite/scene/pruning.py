@@ -1,7 +1,7 @@
-"""Pruning: a point is drawn only from the part of its region where its object fits into its container.
+"""Pruning: a point is drawn only from the part of its region in which the object fits into its container.
 
-The valid scenes and their distribution stay the same, since the pruned part would be rejected; fewer levels are
-invalid. Pruning applies to objects at a drawn point, or at a fixed step from it, without noise.
+The valid scenes and their distribution do not change, since the pruned part would be rejected; only fewer levels are
+invalid. Pruning applies to objects without noise at a drawn point, or at a fixed offset from a drawn point.
 Read next: `scene.constraints`, which tests the remaining conditions.
 """
 
@@ -24,15 +24,15 @@ from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, colu
 from scenic_lite.values.polygons import PolygonalRegion, region_of
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
-SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
-ROUGH = 1e-3  # nor is one of another region, since circles are polygons in that test
-LARGEST_NUMBER = 1e12  # in a region; areas of larger ones may overflow
+SLIGHT = 1e-5  # minimum share of a rectangle that is pruned
+ROUGH = 1e-3  # minimum share of other regions, whose circles become polygons in the test
+LARGEST_NUMBER = 1e12  # maximum number in a region; areas of larger numbers may overflow
 
 
 class Demand(NamedTuple):
-    """The condition on the point of one object: `container` has room for the object.
+    """The condition on the drawn point of one object: the object must fit into `container`.
 
-    `right`, `up`: the fixed step from the point to the object; `radius`: of a circle inside the object.
+    `right`, `up`: the fixed offset from the point to the object; `radius`: the radius of a circle inside the object.
     """
 
     container: Region
@@ -46,14 +46,14 @@ class Demand(NamedTuple):
 
 
 def prune(state: LoadState) -> None:
-    """Draw the points of a program's objects from the parts of their regions in which the objects fit.
+    """Restrict the regions of a program's drawn points to the parts in which the objects fit.
 
-    It prunes the same parts as Scenic, so that acceptance rates can be compared: a margin of the container as wide as
-    the radius of the object's inner circle, and in dialect 3 nothing for an object `in workspace`. Raises
+    The pruned parts are those of Scenic, so that acceptance rates are comparable. They are a margin of the container,
+    as wide as the radius of the object's inner circle. Dialect 3 prunes nothing for an object `in workspace`. Raises
     ScenicError if an object fits nowhere.
     """
     points = {id(part): i for i, drawn in enumerate(state.points) for part in (drawn.point.x, drawn.point.y)}
-    parts: dict[Demand, dict[Region, Region | None]] = {}  # shared demands are computed once
+    parts: dict[Demand, dict[Region, Region | None]] = {}  # cache for equal demands
     for container, (where, label) in containers(state, state.objects).items():
         for instance in [state.objects[i] for i in where] if is_fixed_area(container) else []:
             near = near_point(points, state, instance.properties["position"])
@@ -63,7 +63,7 @@ def prune(state: LoadState) -> None:
             base = state.points[at].region
             if state.dialect == 3 and base is state.workspace:
                 continue
-            base = base.region if isinstance(base, Filtered) else base  # its test is a requirement on the point
+            base = base.region if isinstance(base, Filtered) else base  # its test is a separate requirement
             if not is_fixed_area(base):
                 continue
             radius = min(least(instance.properties[name]) / 2 for name in ("width", "length"))  # of the inner circle
@@ -86,7 +86,7 @@ def is_fixed_area(region: Region) -> bool:
 
 
 def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tuple[int, float, float] | None:
-    """Return the index of the drawn point on which a position depends, and the fixed step from there."""
+    """Return the index of the drawn point on which a position depends, and the fixed offset from the point."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
     if at is None or state.points[at].point.x is not x or state.points[at].point.y is not y:
@@ -95,7 +95,7 @@ def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tu
 
 
 def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
-    """Return a value as a coordinate of one of the points, if it is one, and the fixed number added to it."""
+    """Split a value into a coordinate of one of the points, if it contains one, and the fixed number added to it."""
     step = 0.0
     while isinstance(value, RandomExpr) and id(value) not in points and value.operation in (np.add, np.subtract):
         first, second = value.inputs
@@ -110,7 +110,7 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
 
 
 def least(value: Value) -> float:
-    """Return a lower bound of a size: the low end of a draw, the least option; 0 for a computed value."""
+    """Return a lower bound of a size: the low end of a draw or the least option; 0 for a computed value."""
     if not isinstance(value, RandomExpr):
         return float(value)
     if isinstance(value.operation, Table):
@@ -127,7 +127,7 @@ def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicErro
 
 # ------------------------------------------------------------ one point
 def draw_from(state: LoadState, at: int, part: Region) -> None:
-    """Draw the point with the index `at` from a part of its region."""
+    """Restrict the point with index `at` to a part of its region."""
     drawn = state.points[at]
     columns = drawn.columns
     if drawn.point.x is columns[0] and isinstance(part, RectangularRegion):
@@ -138,7 +138,7 @@ def draw_from(state: LoadState, at: int, part: Region) -> None:
 
 
 def common_part(base: Region, demand: Demand) -> Region | None:
-    """Return the part of a region that meets a demand; the region itself if that is almost all, None if empty."""
+    """Return the part of a region that meets a demand; the region itself if nearly all does, None if none does."""
     container = demand.container
     if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
         return common_rectangle(base, demand)
@@ -150,7 +150,7 @@ def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
 
 
 def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegion | None:
-    """Return the common part in the frame of two rectangles of the same heading."""
+    """Return the common part of two rectangles with the same heading, computed in their frame."""
     container = demand.container
     assert isinstance(container, RectangularRegion)
     middle = base.position.rotated(-base.heading)
@@ -167,12 +167,12 @@ def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegi
 
 
 def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
-    """Return the intersection of two intervals, given by middle and half length."""
+    """Return the intersection of two intervals, each given by its middle and half length."""
     return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
 
 
 def common_shape(base: Region, demand: Demand) -> Region | None:
-    """Return the common part of regions of any shape."""
+    """Return the common part of two regions of any shape."""
     room = circumscribed(demand.container).shape()
     if demand.radius > 0:
         room = shapes.GROWN.scalar(room, -demand.radius)
@@ -184,7 +184,7 @@ def common_shape(base: Region, demand: Demand) -> Region | None:
 
 
 def circumscribed(region: Region) -> Region:
-    """Return a region whose polygon contains the given one, including its arcs."""
+    """Return a region whose polygon contains the given region, including its arcs."""
     if not isinstance(region, SectorRegion):
         return region
     radius = region.radius / math.cos(min(region.angle, TURN) / 2 / ARC_SEGMENTS)
@@ -193,16 +193,16 @@ def circumscribed(region: Region) -> Region:
 
 # ------------------------------------------------------------ the graph
 def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
-    """Tighten the limits of columns that are coordinates themselves."""
+    """Tighten the limits of columns that directly hold coordinates."""
     for column, (low, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.low, column.high = low, low, low + span
         column.span = span_between(low, low + span)
 
 
 def redraw(state: LoadState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColumn, ...]:
-    """Replace the point's nodes by those of another region, so that values computed from them change, too."""
+    """Replace the computation of the point's nodes, so that all values computed from the point change with it."""
     columns = drawn.columns
-    if drawn.point.x is columns[0]:  # its columns become nodes of two other columns
+    if drawn.point.x is columns[0]:  # the old columns become nodes of two new columns
         columns = tuple(successor(state, column) for column in columns)
     for column, (offset, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.span = offset, span

@@ -1,4 +1,4 @@
-"""Scenes: N samples of a program as arrays, and the plan that reads them from a tape's registers.
+"""Scenes: N samples of a program as arrays, and the plan that extracts them from a tape's registers.
 
 Read next: `scene.program`, which owns the plan; `scene.constraints`, which tests scenes.
 """
@@ -20,14 +20,14 @@ from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
 
 LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
-Reader = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
+Reader = Callable[[list[Any], int], Any]  # (registers, N) -> the value in N samples
 
 
 class ObjectInfo(NamedTuple):
     """The description of an object before any scene is drawn.
 
-    `name` in the program ("" if no variable holds it), `classes`: its class and all bases by name, most derived first;
-    `behavior`: the name of its behavior, or None; `behavior_place`: the place of that name.
+    `name`: the variable in the program, or "". `classes`: the names of its class and all bases, most derived first.
+    `behavior`: the name of its behavior, or None. `behavior_place`: the place of this name.
     """
 
     name: str
@@ -43,12 +43,12 @@ class Scenes:
     """N initial arrangements of a program's O objects.
 
     positions: [N, O, 2], headings: [N, O] (radians, 0 along +y, counterclockwise).
-    properties: name -> list over the O objects; a fixed value is a plain value (a vector is a pair), a random one is an
-    array [N] (a vector [N, 2]); None if an object has no such property.
+    properties: name -> list over the O objects. A fixed value is a plain value (a vector is a pair), a random value is
+    an array [N] (a vector is [N, 2]). None means that the object has no such property.
     params: the program's parameters, in the same form.
-    behavior_arguments: for each object a dict name -> value in the same form, or None without a behavior; objects of
-        the program appear as their index in `Program.objects`.
-    ok: [N], whether every constraint holds; failed: [N, R], which (of `Program.requirements`) are violated.
+    behavior_arguments: for each object a dict name -> value in the same form, or None without a behavior. An object
+        as an argument is its index in `Program.objects`.
+    ok: [N] bool, whether every constraint holds; failed: [N, R] bool, the violated ones of `Program.requirements`.
     """
 
     positions: np.ndarray
@@ -61,7 +61,7 @@ class Scenes:
 
 
 def refuse_huge(value: Value, what: str) -> None:
-    """Raise ScenicError if a value in scenes is infinite or very large when written out."""
+    """Raise ScenicError if a value in scenes has too many parts or contains itself."""
     count, stack = 0, [(value, 0)]
     while stack:
         part, depth = stack.pop()
@@ -83,15 +83,15 @@ class Fixed:
 
 
 class Planner:
-    """Turns values into readers, which compute them from the registers of a tape."""
+    """A factory of readers, which compute values from the registers of a tape."""
 
     def __init__(self, tape: Tape, objects: Iterable[Instance]) -> None:
         self.tape = tape
         self.indices = {id(instance): i for i, instance in enumerate(objects)}
 
     def reader(self, value: Value) -> Reader:
-        """Return the reader of a value in the form of Scenes."""
-        if value is None or isinstance(value, int | float | str):  # the usual case
+        """Return the reader of a value, in the format of Scenes."""
+        if value is None or isinstance(value, int | float | str):  # the most frequent case
             return Fixed(value)
         if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
@@ -137,7 +137,7 @@ def points(coordinates: list[Any], count: int) -> np.ndarray:
 
 
 def row_of(value: Any, row: int) -> Any:
-    """Return one sample of a value over the samples."""
+    """Return the value of one sample from a value over all samples."""
     if isinstance(value, np.ndarray):
         part = value[row]
         if isinstance(part, np.ndarray):
@@ -151,7 +151,7 @@ def row_of(value: Any, row: int) -> Any:
 
 
 class ScenePlan:
-    """Reads scenes from the registers of a tape; fixed values are computed in advance."""
+    """The extraction of scenes from the registers of a tape; fixed values are computed in advance."""
 
     def __init__(self, tape: Tape, objects: list[Instance], params: dict[str, Value]) -> None:
         planner = Planner(tape, objects)
@@ -167,13 +167,13 @@ class ScenePlan:
         self.params = {name: reader.value for name, reader in readers.items() if isinstance(reader, Fixed)}
 
     def read(self, registers: list[Any], count: int) -> tuple[dict[str, list[Any]], dict[str, Any], list[Any]]:
-        """Return the properties, parameters and behavior arguments of N = count scenes, in the form of Scenes."""
+        """Return the properties, parameters and behavior arguments of N = count scenes, in the format of Scenes."""
         properties, params = self._properties(registers, count), self._params(registers, count)
         return properties, params, self._arguments(registers, count)
 
 
 class Arrangement:
-    """The layout of objects: reads outlines from the registers, and positions and headings from these."""
+    """The layout of objects: extracts outlines from the registers, and positions and headings from the outlines."""
 
     def __init__(self, planner: Planner, objects: list[Instance]) -> None:
         self.count = len(objects)
@@ -197,7 +197,7 @@ class Arrangement:
         return Outlines(x, y, heading, width, length)
 
     def placed(self, outlines: Outlines, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions [N, O, 2] and headings [N, O] of rectangles."""
+        """Return positions [N, O, 2] and headings [N, O] of the objects' rectangles."""
         positions = np.empty((count, self.count, 2))
         positions[:, :, 0], positions[:, :, 1] = outlines.x.T, outlines.y.T
         headings = np.empty((count, self.count))
@@ -205,7 +205,7 @@ class Arrangement:
         return positions, headings
 
     def _filled(self, part: str, registers: list[Any], count: int) -> np.ndarray:
-        """Return one number of every object: [O, N]."""
+        """Return one attribute of every object: [O, N]."""
         values = np.empty((self.count, count))
         values[:] = self.fixed[part]
         for i, slot in self.random[part]:

@@ -1,8 +1,8 @@
-"""From a scene back to θ: the tape's values are compared with the description, and θ is moved until they agree.
+"""From a scene back to θ: a search for the θ whose scene agrees with a description.
 
-Positions are affine in θ nearly everywhere, so one step of least squares with a numerical Jacobian usually suffices;
-random θ give further starts, for choices and curved regions. Every result is verified; a description that is not met,
-or does not determine θ, is rejected. Read next: `values.graph`, the tape.
+Positions are affine in θ nearly everywhere, so one least-squares step with a numerical Jacobian usually suffices.
+Random θ are further starting points for choices and curved regions. Every result is verified. A description that no θ
+meets, or that does not determine θ, is rejected. Read next: `values.graph`, the tape.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, kind_of
 
-CLOSE = 1e-6  # relative, above 1: numbers this close count as equal
-STARTS = 4096, 8  # random θ, and how many of them, the nearest to a scene, are starts
-ROUNDS = 60  # steps from one start
-NUDGE = 1e-7  # of [0, 1], for derivatives
-KINDS = {"number": "biuf", "truth": "b", "text": "OU"}  # of arrays in a description, by kind of value
+CLOSE = 1e-6  # tolerance of equality, relative for numbers above 1
+STARTS = 4096, 8  # number of random θ, and number of those nearest to a scene that become starting points
+ROUNDS = 60  # maximum number of steps from one starting point
+NUDGE = 1e-7  # step of the numerical derivative in [0, 1]
+KINDS = {"number": "biuf", "truth": "b", "text": "OU"}  # allowed array kinds in a description, by kind of value
 
 
 class Target(NamedTuple):
-    """A number or text of the scenes and its target, an array [N] or [1]; `what`: "ego the position"."""
+    """A number or text of the scenes and its required value, an array [N] or [1]; `what` is like "ego the position"."""
 
     what: str
     value: Value
@@ -43,14 +43,14 @@ def theta_of(
     description: Mapping[Any, Any],
     default: np.ndarray | None,
 ) -> np.ndarray:
-    """Return theta [N, D] of some scenes; `default` [1, D] or [N, D] determines all other draws.
+    """Return theta [N, D] of the described scenes; `default` [1, D] or [N, D] sets all other draws.
 
-    Raises ScenicError naming undetermined draws, or the value that is not met.
+    Raises ScenicError that names undetermined draws or the first value for which no θ was found.
     """
     drawn = list(zip(layout.draws, layout.columns, strict=True))
     known: dict[Any, tuple[Value, SourceSpan]]
     known = {name: (value, state.param_places[name]) for name, value in state.params.items()}
-    known |= {draw.name: (column.shown, draw.place) for draw, column in drawn}  # as `describe` names them
+    known |= {draw.name: (column.shown, draw.place) for draw, column in drawn}  # the names of `describe`
     titles = {draw.name: titles_of_options(column.options) for draw, column in drawn if column.options}
     known |= {key: (instance, instance.place) for i, instance in enumerate(objects) for key in (i, instance.title())}
     for key in description.keys() - known.keys():
@@ -76,7 +76,7 @@ def theta_of(
 
 
 def chosen(what: str, asked: Any, titles: Sequence[str]) -> Any:
-    """Return the indices of options that are not numbers or texts themselves, from their titles or indices."""
+    """Return the indices of structured options, given by their titles or indices."""
     parts = asked if isinstance(asked, list | tuple | np.ndarray) else [asked]
     if all(isinstance(part, int | np.integer) for part in parts):
         return asked
@@ -99,7 +99,7 @@ def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
 
 
 def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterator[Target]:
-    """Yield the targets of a number or text, or of all parts of a vector or object."""
+    """Yield the targets of a number, a text, or all parts of a vector or object."""
     parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim in (1, 2) else asked
     several = len(parts) if isinstance(parts, np.ndarray | list | tuple) else 0
     if isinstance(value, Instance):
@@ -127,7 +127,7 @@ def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterat
 
 
 def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> list[System]:
-    """Return groups of targets that share columns, directly or through others, or belong to one position."""
+    """Return groups of targets that share columns, directly or indirectly, or belong to one position."""
     reads = np.array([[column in set(columns_of(goal.value)) for column in columns] for goal in targets], dtype=bool)
     whats = np.array([goal.what for goal in targets], dtype=object)
     linked, fewer = (reads @ reads.T) | (whats[:, None] == whats) if targets else reads, 0  # [W, W]
@@ -138,7 +138,7 @@ def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> lis
 
 
 class System:
-    """The C columns of θ at the indices `at` that are solved together, and the W targets that depend on them."""
+    """W targets and the C columns of θ, with indices `at`, that must be solved together."""
 
     def __init__(self, targets: Sequence[Target], columns: Sequence[ThetaColumn], read: Any) -> None:
         self.targets, self.at = targets, np.flatnonzero(read).tolist()
@@ -148,14 +148,14 @@ class System:
         self.span = np.array([column.span for column in own])
 
     def values(self, unit: np.ndarray) -> list[Any]:
-        """Return the targets' values at unit [M, C]: W arrays [M], or fixed values."""
+        """Return the values of the targets at unit [M, C]: W arrays [M] or fixed values."""
         with np.errstate(all="ignore"):
             registers = self.tape.run((self.offset + unit * self.span).T)
         values = [target.value for target in self.targets]
         return [registers[self.tape.slot(value)] if isinstance(value, RandomExpr) else value for value in values]
 
     def gaps(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
-        """Return the errors of values in some rows [M]: [M, W]; 1 for a wrong text."""
+        """Return the errors [M, W] of values in the given rows [M]; 1 for a wrong text."""
         gaps = np.empty((len(rows), len(values)))
         for k, (value, target) in enumerate(zip(values, self.targets, strict=True)):
             asked = target.asked[rows % len(target.asked)]
@@ -168,7 +168,7 @@ class System:
         return gaps
 
     def solve(self, start: np.ndarray) -> np.ndarray:
-        """Return unit [N, C] that meets the targets, near the start if possible; else raise ScenicError."""
+        """Return unit [N, C] that meets the targets, near the start if possible. Raises ScenicError on failure."""
         unit, gaps = self.descend(start, np.arange(len(start)))
         missed = np.flatnonzero(worst(gaps) > CLOSE)
         if len(missed) and len(self.at):
@@ -184,19 +184,19 @@ class System:
         return unit
 
     def descend(self, unit: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the end of damped steps of least squares from unit [M, C], and the gaps [M, W] there."""
+        """Take damped least-squares steps from unit [M, C]; return the end point and its gaps [M, W]."""
         unit, gaps = unit.copy(), self.gaps(self.values(unit), rows)
-        reach = np.ones(len(unit))  # of a step, reduced when it overshoots
+        reach = np.ones(len(unit))  # step size, reduced after an overshoot
         for _ in range(ROUNDS if len(self.at) else 0):
             at = np.flatnonzero((worst(gaps) > 1e-13) & (reach > 1e-4))
             if not len(at):
                 break
-            slope = np.empty((len(at), *gaps.shape[1:], unit.shape[1]))  # [M, W, C], towards the middle of [0, 1]
+            slope = np.empty((len(at), *gaps.shape[1:], unit.shape[1]))  # [M, W, C], by steps toward the middle
             for c, nudge in enumerate(np.where(unit[at] > 0.5, -NUDGE, NUDGE).T):
                 moved = unit[at]
                 moved[:, c] += nudge
                 slope[:, :, c] = (self.gaps(self.values(moved), rows[at]) - gaps[at]) / nudge[:, None]
-            step = (np.linalg.pinv(slope, rcond=1e-9) @ gaps[at, :, None])[:, :, 0]  # the shortest
+            step = (np.linalg.pinv(slope, rcond=1e-9) @ gaps[at, :, None])[:, :, 0]  # the shortest solution
             trial = np.clip(unit[at] - reach[at, None] * step, 0.0, 1.0)
             there = self.gaps(self.values(trial), rows[at])
             better = np.square(there).sum(axis=1) < np.square(gaps[at]).sum(axis=1)
@@ -205,7 +205,7 @@ class System:
         return unit, gaps
 
     def unmet(self, unit: np.ndarray, gaps: np.ndarray) -> ScenicError:
-        """Return the error for the first scene that is not met: its first value, and the nearest value found."""
+        """Return the error for the first unmatched scene: its first unmatched value and the nearest value found."""
         row = int(np.argmax(worst(gaps) > CLOSE))
         what, _, _, place = self.targets[int(np.argmin(np.abs(gaps[row]) <= CLOSE))]
         pairs = zip(self.targets, self.values(unit[[row]]), strict=True)
@@ -222,7 +222,7 @@ def worst(gaps: np.ndarray) -> np.ndarray:
 
 
 def shown(parts: Sequence[Any]) -> str:
-    """Return a value, or the two coordinates of a position, in one scene."""
+    """Return the text of a value, or of the two coordinates of a position, in one scene."""
     values = [np.ravel(part)[0] for part in parts]
     texts = [value if isinstance(value, str) else f"{value:g}" for value in values]
     return f"({' @ '.join(texts)})" if len(texts) == 2 else texts[0]

@@ -1,4 +1,4 @@
-"""Program text to a checked syntax tree.
+"""From program text to a checked syntax tree.
 
 Read next: `syntax.parser`.
 """

@@ -1,7 +1,7 @@
-"""Rules of the language that need the whole tree: allowed places, unique names, loops that never let time pass.
+"""Rules of the language that need the whole tree: allowed places, unique names, loops in which no time passes.
 
-All errors are returned together, sorted by place. A probable mistake is a warning. This module does not find undefined
-names and properties: that needs the imported library. Read next: `loader`, which runs the static part.
+The check returns all errors together, sorted by place. A probable mistake is a warning. Undefined names and properties
+are not found, since they depend on the imported library. Read next: `loader`, which runs the static part.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ class Context(NamedTuple):
     """The context of a statement."""
 
     kind: str = "top"  # top, function, behavior, monitor, compose
-    name: str = ""  # of the function, behavior or monitor
+    name: str = ""  # name of the function, behavior or monitor
     loop: bool = False
-    handler: bool = False  # in the block of an `interrupt when`
+    handler: bool = False  # whether the statement is in the block of an `interrupt when`
 
     def words(self) -> str:
-        """Return the place in words."""
+        """Describe the context, for messages."""
         if self.kind == "compose":
             return "in a compose block"
         return f'in the {self.kind} "{self.name}"' if self.name else "at the top level"
 
 
 def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[ScenicError]:
-    """Return every violation of the rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
+    """Return all violations of the rules in a program, sorted by place; probable mistakes have kind `warning`."""
     checker = _Checker(tree, Source(text, file), dialect)
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:
@@ -58,7 +58,7 @@ def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[Scen
 
 
 def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Context]]:
-    """Yield the nodes below a node, each with its context."""
+    """Yield the children of a node, each with its context."""
     if isinstance(node, nodes.Behavior):
         context = Context(node.kind, node.name)
     elif isinstance(node, nodes.Scenario):
@@ -78,16 +78,16 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
 
 
 class _Checker:
-    """The errors found so far; the methods are the rules of `RULES`."""
+    """The errors found so far, and the rules of `RULES` as methods."""
 
     def __init__(self, tree: ast.Module, source: Source, dialect: int) -> None:
         self.source, self.dialect = source, dialect
         self.errors: list[ScenicError] = []
         self.monitors: dict[str, nodes.Behavior] = {}
-        self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
-        self.names: set[str] = set()  # that are read or set
-        self.forms: dict[int, ast.AST] = {}  # by dialect, the first form that belongs to it alone
-        self.classes: set[str] = set()  # names that are certainly those of classes
+        self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors in which no time passes
+        self.names: set[str] = set()  # names that the program reads or sets
+        self.forms: dict[int, ast.AST] = {}  # dialect -> the first form that exists in this dialect only
+        self.classes: set[str] = set()  # names that certainly denote classes
         for node in ast.walk(tree):
             if isinstance(node, ast.Name):
                 self.names.add(node.id)
@@ -131,7 +131,7 @@ class _Checker:
             self.report(node, '"do" takes one behavior here; several at once only in a compose block', hint)
 
     def once(self, things: Iterable[tuple[str, ast.AST]], message: str) -> None:
-        """Report names that occur twice."""
+        """Report duplicate names."""
         seen: set[str] = set()
         for name, place in things:
             if name in seen:
@@ -149,7 +149,7 @@ class _Checker:
             for target in statement.targets if isinstance(statement, ast.Assign) else ():
                 if isinstance(target, ast.Name) and target.id in declared:
                     message = f'"{target.id}" is a property of objects, and this sets an attribute of the class'
-                    kind = "syntax" if self.dialect == 3 else "warning"  # Scenic 2 lets it pass without effect
+                    kind = "syntax" if self.dialect == 3 else "warning"  # Scenic 2 accepts it without effect
                     self.report(statement, message, f'write "{target.id}: value"', kind)
 
     def behavior(self, node: nodes.Behavior, context: Context) -> None:
@@ -175,7 +175,7 @@ class _Checker:
             self.never(node, node.func.id)
 
     def never(self, node: ast.AST, name: str) -> None:
-        """Report a behavior that takes no action, or a monitor that never waits, where it is started."""
+        """Report the start of a behavior that never takes an action, or of a monitor that never waits."""
         definition = self.idle.pop(name, None)
         if definition is not None:
             does, hint = "takes an action", 'is a "take", "wait" or "do" missing?'
@@ -194,7 +194,7 @@ class _Checker:
                 self.report(condition, f'"{name}" is a monitor', f'write "require monitor {name}(...)"')
         if node.probability is not None and nodes.is_temporal(condition):
             self.report(condition, "a temporal requirement cannot have a probability")
-        pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether it is surrounded by logic only
+        pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # whether only logical operators surround it
         while pending:
             part, logical = pending.pop()
             logic = isinstance(part, ast.BoolOp) or (isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not))
@@ -206,7 +206,7 @@ class _Checker:
             pending.extend((child, logical and logic) for child in ast.iter_child_nodes(part))
 
     def specifier(self, node: nodes.Specifier, context: Context) -> None:
-        """Warn of a heading without `deg`."""
+        """Warn about an angle that seems to be in degrees without `deg`."""
         name, value = node.name, node.arguments[-1] if node.arguments else None
         if name == "with" and isinstance(node.arguments[0], ast.Constant):
             name = str(node.arguments[0].value)
@@ -215,14 +215,14 @@ class _Checker:
             self.warn(node, message, 'degrees are written "90 deg"')
 
     def instance(self, node: nodes.New, context: Context) -> None:
-        """Record the dialect of an instance: with `new` before its class, or without."""
+        """Record the dialect of an instance, which has `new` before its class in dialect 3 only."""
         if has_new(node):
             self.forms.setdefault(3, node)
         elif node.certain or (isinstance(node.cls, ast.Name) and node.cls.id in self.classes):
             self.forms.setdefault(2, node)
 
     def whole(self) -> None:
-        """Warn of a program that mixes dialects, and of monitors that are never started."""
+        """Warn about a program that mixes dialects, and about monitors that are never started."""
         if len(self.forms) == 2:
             node, other = self.forms[5 - self.dialect], 5 - self.dialect
             hint = 'write "monitor M():" and "require monitor M()"'
@@ -231,12 +231,12 @@ class _Checker:
             message = f"this is written as in Scenic {other}, and the program is read as Scenic {self.dialect}"
             self.warn(node, message, hint)
         for name, monitor in self.monitors.items():
-            if not monitor.started and name not in self.names and "ego" in self.names:  # else a library
+            if not monitor.started and name not in self.names and "ego" in self.names:  # without an ego it is a library
                 self.warn(monitor, f'the monitor "{name}" is never required', f'write "require monitor {name}()"')
 
 
 def _turns(value: ast.expr | None) -> float:
-    """Return the number of turns of a literal angle, if that is too many to be intended."""
+    """Return the number of turns of a literal angle above two turns, which is hardly intended; otherwise 0."""
     if isinstance(value, ast.UnaryOp):
         value = value.operand
     if isinstance(value, ast.Constant) and isinstance(value.value, int | float) and value.value > 4 * math.pi:
@@ -245,15 +245,15 @@ def _turns(value: ast.expr | None) -> float:
 
 
 def has_new(node: nodes.New) -> bool:
-    """Return whether `new` stands before the class."""
+    """Return whether the instance has `new` before its class."""
     return (node.lineno, node.col_offset) != (node.cls.lineno, node.cls.col_offset)
 
 
 def endless_loop(loop: ast.While) -> bool:
-    """Return whether a `while True` in a behavior lets no time pass and does not end, so that the step never ends.
+    """Return whether a `while True` in a behavior neither lets time pass nor ends, so that the step never ends.
 
-    A loop that takes an action on some path, or that leaves itself, is accepted. A `terminate` ends more than the loop,
-    but is usually meant to be checked in each step, so it does not count.
+    A loop with an action, a wait, a `do`, a `break` or a `return` on some path is accepted. A `terminate` does not
+    count, since its condition should usually be tested once per step.
     """
     leaves = (nodes.Take, nodes.Wait, nodes.Do, ast.Break, ast.Return)
     for_ever = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
@@ -261,7 +261,7 @@ def endless_loop(loop: ast.While) -> bool:
 
 
 RUNNING = "{} may only stand in a behavior, a monitor or a compose block, not {}"
-# Allowed contexts of statements, and the messages elsewhere: statement and context.
+# Allowed contexts of statements, and the message in other contexts, with slots for the statement and the context.
 PLACES: dict[type[ast.AST], tuple[Callable[[Context], bool], str]] = {
     **dict.fromkeys(
         (nodes.Wait, nodes.Do, nodes.Terminate, nodes.TryInterrupt), (lambda at: at.kind in DYNAMIC, RUNNING)
@@ -278,7 +278,7 @@ PLACES: dict[type[ast.AST], tuple[Callable[[Context], bool], str]] = {
     nodes.Abort: (lambda at: at.handler, '{} may only stand in the block of an "interrupt when"'),
     ast.Return: (lambda at: at.kind != "top", "{} may only stand in a function or a behavior"),
 }
-HINTS = {  # by statement and where it stands, or anywhere
+HINTS = {  # by statement and kind of context; "" is any context
     (nodes.Take, "monitor"): 'a monitor may "wait"',
     (nodes.Terminate, ""): 'write "terminate when condition"',
     (nodes.TerminateWhen, ""): 'write "if condition:" and "terminate" in it',

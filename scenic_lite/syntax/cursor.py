@@ -1,8 +1,8 @@
-"""The cursor over the tokens that all parts of the parser share: look ahead, take, expect, build a node, report errors.
+"""The token cursor that all parts of the parser share: look ahead, read, expect, build a node, report errors.
 
-The productions are functions of a cursor, in the following files, and their docstrings are the grammar. If an earlier
-file needs a production of a later one - a bracket contains expressions, a block contains statements - it calls it
-through the cursor, where `parse` registers it.
+The productions are functions of a cursor in the other modules, and their docstrings are the grammar. A module calls
+productions of later modules through the cursor, where `parse` registers them: a bracket contains expressions, a block
+contains statements.
 Read next: `syntax.expressions`.
 """
 
@@ -27,18 +27,18 @@ LAYOUT = {
     "end": "the end of the program",
 }
 
-# Python's own limit on recursion is 1000 calls; one level of nesting takes about eight.
+# Python's recursion limit is 1000 calls; one level of nesting takes about eight calls.
 MAX_NESTING = 90
 MAX_CHAIN = 100
 
 
 class Cursor:
-    """A place in the tokens of a program. `token` is the next one to read, `dialect` 2 or 3."""
+    """A position in the tokens of a program. `token` is the next token, `dialect` is 2 or 3."""
 
     expression: Callable[[], ast.expr]  # operators.expression
     operation: Callable[[int], ast.expr]  # operators.operation
-    statements: Mapping[str, Any]  # scenic.STATEMENTS
-    blocks: Mapping[str, Any]  # scenic.BLOCKS
+    statements: Mapping[str, Any]  # parser.STATEMENTS
+    blocks: Mapping[str, Any]  # parser.BLOCKS
 
     def __init__(self, source: Source, dialect: int) -> None:
         self.source = source
@@ -48,27 +48,27 @@ class Cursor:
         self.index = 0
         self.token = self.tokens[0]
         self.nesting = 0
-        self.brackets: list[tuple[Token, bool]] = []  # open ones, and the value of `temporal` around them
+        self.brackets: list[tuple[Token, bool]] = []  # open brackets, each with the value of `temporal` outside
         self.temporal = False  # within the condition of a `require`
-        self.asks_truth = False  # the next expression is a condition: it cannot begin with an instance
-        self.in_target = False  # no instance may begin here: the object of `override`
+        self.asks_truth = False  # the next expression is a condition, which cannot begin with an instance
+        self.in_target = False  # inside the object of `override`, where no instance may begin
         self.class_body = False  # directly in the body of a class
-        # Where the longer reading of a word operator's first operand has failed.
+        # Tokens at which the longer reading of a word operator's first operand has failed.
         self.no_partner: set[Token] = set()
 
     def peek(self, ahead: int = 1) -> Token:
-        """Return the token that many places ahead."""
+        """Return the token `ahead` places after the next token."""
         index = self.index + ahead
         return self.tokens[index] if index < len(self.tokens) else self.tokens[-1]
 
     def sees(self, *words: str) -> bool:
-        """Return whether these words (or signs) come next."""
+        """Return whether these words (or signs) follow."""
         if self.token.text != words[0]:
             return False
         return all(self.peek(k).text == word for k, word in enumerate(words[1:], 1))
 
     def form(self, table: Forms) -> Form | None:
-        """Return the form whose words come next."""
+        """Return the form of a table whose words follow, or None."""
         for form in table.get(self.token.text, ()):
             if len(form.words) == 1 or self.sees(*form.words):
                 return form
@@ -83,19 +83,19 @@ class Cursor:
         return token.kind == "name" and token.text not in PYTHON_KEYWORDS and token.text not in SCENIC_KEYWORDS
 
     def starts_value(self, token: Token, signs: str = "([{") -> bool:
-        """Return whether a value could begin with this token; `signs`: the operators that count."""
+        """Return whether a value can begin with this token; `signs`: operators with which a value can begin."""
         if token.kind == "name":
             return self.is_plain_name(token) or token.text in VALUES or token.text == "new"
         return token.kind in ("number", "string") or (token.kind == "operator" and token.text in signs)
 
     def ends_statement(self, token: Token | None = None) -> bool:
-        """Return whether a statement ends before a token, by default the next one."""
+        """Return whether a statement ends before a token, by default the next token."""
         token = token or self.token
         return token.kind in ("newline", "end") or token.text == ";"
 
     @property
     def previous(self) -> Token:
-        """Return the token read last."""
+        """Return the last token read."""
         return self.tokens[self.index - 1] if self.index else self.token
 
     def last_word(self) -> Token | None:
@@ -112,12 +112,12 @@ class Cursor:
         return token
 
     def go_to(self, index: int) -> None:
-        """Go to a place: back to a saved one, or ahead to a known one."""
+        """Move to an index: back to a saved index, or forward to a known index."""
         self.index = index
         self.token = self.tokens[index]
 
     def accept(self, *words: str) -> bool:
-        """Read these words if they come next."""
+        """Read these words if they follow, and return whether they do."""
         if self.token.text != words[0] or not self.sees(*words):
             return False
         self.go_to(self.index + len(words))
@@ -130,7 +130,7 @@ class Cursor:
         return self.advance()
 
     def name(self, what: str) -> Token:
-        """Read a name; `what` describes it for messages ("a class name")."""
+        """Read a name; `what` describes the name in messages ("a class name")."""
         if not self.is_name(self.token):
             if self.token.kind == "name":
                 language = "the language" if self.token.text in PYTHON_KEYWORDS else "Scenic 3"
@@ -139,13 +139,13 @@ class Cursor:
         return self.advance()
 
     def word(self, what: str) -> str:
-        """Read a name that may be a word of Scenic: an attribute, a part of a module's name."""
+        """Read a name that may be a Scenic keyword: an attribute, or part of a module's name."""
         if self.token.kind != "name" or self.token.text in PYTHON_KEYWORDS:
             self.missing(what)
         return self.advance().text
 
     def at(self, start: Token, node: Node) -> Node:
-        """Set the node's place: from `start` to the last token read, ignoring layout."""
+        """Set the place of a node, from `start` to the last token read, ignoring layout."""
         last = self.tokens[self.index - 1]
         if last.kind in LAYOUT:
             last = self.last_word() or start
@@ -154,7 +154,7 @@ class Cursor:
         return node
 
     def stored(self, target: ast.expr) -> ast.expr:
-        """Turn an expression into a target of assignment."""
+        """Turn an expression into an assignment target."""
         if isinstance(target, ast.Starred):
             self.refuse("* variable", target)
         if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Tuple | ast.List):
@@ -171,31 +171,31 @@ class Cursor:
             self.fail("the program is nested too deeply here", "give parts of it names", kind="budget")
 
     def check_chain(self, links: int, what: str = "operators") -> None:
-        """Refuse endless chains of operators, whose trees would be too deep for recursive functions."""
+        """Reject very long chains of operators, whose trees would be too deep for recursive functions."""
         if links > MAX_CHAIN:
             self.fail(f"more than {MAX_CHAIN} {what} in one row", "give parts of it names", kind="budget")
 
     def fail(
         self, message: str, hint: str = "", *, at: Token | ast.AST | None = None, kind: str = "syntax"
     ) -> NoReturn:
-        """Raise a ScenicError at a token or node; by default at the next token."""
+        """Raise a ScenicError at a token or node, by default at the next token."""
         raise self.source.error(message, self.place(at), hint, kind)
 
     def missing(self, wanted: str, hint: str = "") -> NoReturn:
-        """Raise the error that something else than the next token was expected."""
+        """Raise ScenicError, since `wanted` was expected instead of the next token."""
         self.fail(f"expected {wanted}, found {describe(self.token)}", hint)
 
     def refuse(self, form: str, at: Token | ast.AST | None = None) -> NoReturn:
-        """Raise the error of an unsupported form of Python, by its key in `REFUSED`."""
+        """Raise ScenicError for an unsupported form of Python, given by its key in `REFUSED`."""
         message, hint = REFUSED[form]
         self.fail(message, hint, at=at, kind="unsupported")
 
     def place(self, at: Token | ast.AST | None = None) -> Place:
-        """Return the place of an error at a token or node; by default at the next token."""
+        """Return the place of an error at a token or node, by default at the next token."""
         if isinstance(at, ast.AST):
             return (at.lineno, at.col_offset, at.end_lineno, at.end_col_offset)  # type: ignore[attr-defined]
         token = at or self.token
-        # The end of a line is reported just after its last word, wherever comments or blanks end it.
+        # An error at the end of a line has its place just after the last word, before comments and blanks.
         last = self.last_word() if token is self.token and token.kind in LAYOUT else None
         if last is not None and token.kind != "indent":
             return (last.end_line, last.end_column, last.end_line, last.end_column + 1)
@@ -203,7 +203,7 @@ class Cursor:
 
 
 def describe(token: Token) -> str:
-    """Return a token in words, for error messages."""
+    """Describe a token, for error messages."""
     if token.kind in LAYOUT:
         return LAYOUT[token.kind]
     text = token.text if len(token.text) <= 30 and "\n" not in token.text else token.text[:20].split("\n")[0] + "..."

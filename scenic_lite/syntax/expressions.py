@@ -1,4 +1,4 @@
-"""Values other than operators: names, constants, strings, brackets and their content, calls, functions.
+"""Values without operators: names, constants, strings, brackets with their content, calls, functions.
 
 Read next: `syntax.operators`.
 """
@@ -23,11 +23,11 @@ _STRING = re.compile(r"(\w*)('''|\"\"\"|'|\")(.*)\2", re.DOTALL)
 _ESCAPE = re.compile(
     r"\\(?:[\n\\'\"abfnrtv]|[0-7]{1,3}|x[0-9a-fA-F]{,2}|u[0-9a-fA-F]{,4}|U[0-9a-fA-F]{,8}|N(?:\{[^{}]*\})?)"
 )
-_TEXT = re.compile(r"(?:[^{}]|\{\{|\}\})+")  # between the fields of an f-string
+_TEXT = re.compile(r"(?:[^{}]|\{\{|\}\})+")  # text between the fields of an f-string
 
 
 def atom(c: Cursor, token: Token) -> ast.expr:
-    """Read a name, a constant, or something in brackets; `token` is the next one."""
+    """Read a name, a constant, or a value in brackets; `token` is the next token."""
     kind, text = token.kind, token.text
     if kind == "name":
         if text in PYTHON_KEYWORDS or text in SCENIC_KEYWORDS:
@@ -59,7 +59,7 @@ def number(c: Cursor, token: Token) -> int | float:
 
 
 def keyword_value(c: Cursor, token: Token) -> ast.expr:
-    """Read a value that is a keyword, or a keyword of Scenic 3 used as a name in dialect 2."""
+    """Read a keyword that is a value, or a keyword of Scenic 3 that is a name in dialect 2."""
     text, following = token.text, c.peek()
     if text in ("async", "await", "yield"):
         c.refuse(text)
@@ -75,7 +75,7 @@ def keyword_value(c: Cursor, token: Token) -> ast.expr:
 
 
 def strings(c: Cursor) -> ast.expr:
-    """Read one or more strings side by side: a Constant, or a JoinedStr if one of them is an f-string."""
+    """Read one or more adjacent strings: a Constant, or a JoinedStr if one of them is an f-string."""
     start = c.advance()
     pieces = [start]
     while c.token.kind == "string":
@@ -106,7 +106,7 @@ def strings(c: Cursor) -> ast.expr:
 
 
 def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
-    """Return the text that a part of a string represents."""
+    """Return the text of a part of a string, with escape sequences replaced."""
     if raw or "\\" not in text:
         return text
     try:
@@ -116,7 +116,7 @@ def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
 
 
 def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end: int) -> Iterator[str | ast.expr]:
-    """Yield the texts and FormattedValues of an f-string, whose content is program[position:end]."""
+    """Yield the texts and FormattedValues of an f-string with content program[position:end]."""
     program = c.source.text
     while position < end:
         if text := _TEXT.match(program, position, end):
@@ -141,7 +141,7 @@ def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end:
 
 
 def end_of_value(text: str, start: int, end: int) -> int:
-    """Return where the value in the field of an f-string ends: at a sign outside of brackets."""
+    """Return the end of the value in an f-string field: the first end sign outside brackets."""
     depth = 0
     for at in range(start, end):
         if depth == 0 and text[at] in ":!}" and text[at : at + 2] != "!=":
@@ -151,7 +151,7 @@ def end_of_value(text: str, start: int, end: int) -> int:
 
 
 def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
-    """Read the value in the field of an f-string; a comma makes a tuple, as in brackets."""
+    """Read the value in an f-string field; a comma creates a tuple, as in brackets."""
     outer = (c.tokens, c.index, c.token, c.temporal)
     c.tokens, c.temporal = tokens, False
     c.go_to(0)
@@ -160,18 +160,18 @@ def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
         if not c.ends_statement():
             c.fail(f'unexpected "{c.token.text}" in the f-string')
         return value
-    finally:  # a failed attempt at an operand resumes after the f-string
+    finally:  # after a failed attempt at an operand, parsing resumes after the f-string
         c.tokens, c.index, c.token, c.temporal = outer
 
 
 def opened(c: Cursor, temporal: bool = False) -> None:
-    """Read an opening bracket, inside of which a requirement may continue."""
+    """Read an opening bracket; a requirement may continue inside it."""
     c.brackets.append((c.advance(), c.temporal))
     c.temporal = temporal
 
 
 def close(c: Cursor, sign: str) -> None:
-    """Read the closing bracket of the last one opened."""
+    """Read the closing bracket of the last open bracket."""
     opening, temporal = c.brackets[-1]
     if c.token.text != sign:
         hint = COMPARES if c.token.text == "=" else ""
@@ -185,7 +185,7 @@ def close(c: Cursor, sign: str) -> None:
 
 
 def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list[Item]:
-    """Read `value, value, ...`; before a closing sign a comma may stand, or nothing at all."""
+    """Read `value, value, ...`; the list may be empty, or end with a comma before the closing sign."""
     items: list[Item] = []
     while not closing or c.token.text != closing:
         items.append(read(c))
@@ -195,7 +195,7 @@ def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list
 
 
 def missing_operator_hint(c: Cursor) -> str:
-    """Return a hint about an operator or comma that may be missing before the current token."""
+    """Return a hint about a possibly missing operator or comma before the current token."""
     token, before = c.token, c.previous
     if token.text in grammar.FOREIGN:
         return grammar.FOREIGN[token.text]
@@ -209,7 +209,7 @@ def missing_operator_hint(c: Cursor) -> str:
 
 
 def display(c: Cursor, start: Token) -> ast.expr:
-    """Read `(value)`, a tuple, a list, a comprehension; a requirement goes on in round brackets."""
+    """Read `(value)`, a tuple, a list or a comprehension; a requirement continues in round brackets."""
     closing = ")" if start.text == "(" else "]"
     opened(c, c.temporal and closing == ")")
     values = listed(c, element, closing)
@@ -226,7 +226,7 @@ def display(c: Cursor, start: Token) -> ast.expr:
 
 
 def dictionary(c: Cursor, start: Token) -> ast.expr:
-    """Read `{key: value, ...}` or a comprehension of one."""
+    """Read `{key: value, ...}` or a dictionary comprehension."""
     opened(c)
     pairs = listed(c, entry, "}")
     keys, values = [key for key, _ in pairs], [value for _, value in pairs]
@@ -246,7 +246,7 @@ def entry(c: Cursor) -> tuple[ast.expr, ast.expr]:
     if first.text == "{" and c.token.text != ":":
         if c.token.text in (",", "}") or begins_comprehension(c):
             c.refuse("set" if c.token.text != "for" else "set comprehension", first)
-        close(c, "}")  # reports what is missing
+        close(c, "}")  # raises the error about the missing part
     c.expect(":", "after the key of the dictionary")
     return key, c.expression()
 
@@ -269,14 +269,14 @@ def item(c: Cursor) -> ast.expr:
 
 
 def row(c: Cursor, read: Callable[[Cursor], ast.expr] = item) -> ast.expr:
-    """Read `value [, value]*`, stars allowed: a tuple where there is a comma."""
+    """Read `value [, value]*`, with stars allowed; a comma creates a tuple."""
     start = c.token
     first = read(c)
     if c.token.text != ",":
         return not_starred(c, first)
     values = [first]
     while c.accept(","):
-        word = c.is_name(c.token) and c.token.text in SCENIC_KEYWORDS  # of Scenic 3, a name in dialect 2
+        word = c.is_name(c.token) and c.token.text in SCENIC_KEYWORDS  # a Scenic 3 keyword, a name in dialect 2
         if not c.starts_value(c.token, "([{-+~*") and not word:
             break
         values.append(read(c))
@@ -291,7 +291,7 @@ def not_starred(c: Cursor, value: ast.expr) -> ast.expr:
 
 
 def begins_comprehension(c: Cursor) -> bool:
-    """Return whether `for` comes next."""
+    """Return whether `for` follows."""
     if c.token.text == "async":
         c.refuse("async")
     return c.token.text == "for"
@@ -349,7 +349,7 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
     if generator is not None:
         if len(values) > 1 or keywords:
             c.fail("a generator beside other arguments needs brackets of its own", at=generator)
-        c.at(opening, generator)  # Python counts the call's brackets as its own
+        c.at(opening, generator)  # in Python, the call's brackets belong to the generator
     return values, keywords
 
 
@@ -382,7 +382,7 @@ def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
 
 
 def condition(c: Cursor) -> ast.expr:
-    """Read a condition, which cannot begin with an instance; `=` in it is a frequent mistake."""
+    """Read a condition, which cannot begin with an instance; `=` is a frequent mistake."""
     c.asks_truth = True
     value = element(c)
     if c.token.text == "=":
@@ -391,7 +391,7 @@ def condition(c: Cursor) -> ast.expr:
 
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:
-    """Read `a, b=1, *rest`, up to the closing sign; in brackets with `: annotation`."""
+    """Read `a, b=1, *rest`, up to the closing sign; parameters in brackets may have an `: annotation`."""
     signature = ast.arguments([], [], None, [], [], None, [])
     names: set[str] = set()
     while c.token.text != closing:
@@ -412,7 +412,7 @@ def parameters(c: Cursor, closing: str) -> ast.arguments:
 
 
 def parameter(c: Cursor, closing: str, names: set[str]) -> ast.arg:
-    """Read `name [: annotation]`; a name used twice is an error."""
+    """Read `name [: annotation]`; a duplicate name is an error."""
     start = c.name("a parameter")
     if start.text in names:
         c.fail(f'the parameter "{start.text}" occurs twice', at=start)

@@ -1,6 +1,6 @@
-"""The words of the language, in tables: keywords, operators, specifiers; refused forms, and hints for mistakes.
+"""Tables of the words of the language: keywords, operators, specifiers, unsupported forms, and hints for mistakes.
 
-Forms are written like `left of X [by D]`: words, a value, and an optional further one.
+An example of a form is `left of X [by D]`: words, a value, and an optional second value.
 Read next: `syntax.lexer`.
 """
 
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 PYTHON_KEYWORDS = frozenset(keyword.kwlist)
-# Words that dialect 3 reserves. In dialect 2 they are names wherever no form of the language expects them.
+# Words that dialect 3 reserves. In dialect 2 they are names in all places without a form that expects them.
 SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
 _STATEMENTS = """
 abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor mutate
@@ -25,42 +25,42 @@ STATEMENT_WORDS = frozenset(_STATEMENTS.split())
 
 # ---------------------------------------------------------------- forms
 class Level:
-    """Precedence of operators, lowest first, as in the grammar of Scenic 3; two exist in `require` alone."""
+    """Precedence of operators, lowest first, as in the grammar of Scenic 3; the first two exist only in `require`."""
 
     UNTIL, IMPLIES, OR, AND, NOT, COMPARE, SEE, ALONG, RELATIVE, AT, PREFIX, SUM, TERM, UNARY = range(14)
 
 
 class Form(NamedTuple):
-    """The sequence of words and values; an operator between values has a level, and Python's have a node."""
+    """A sequence of words and values; operators between values have a level, and those of Python a node."""
 
     text: str
     name: str  # the first words
     words: tuple[str, ...]  # of the name
     value: bool  # whether a value follows the name
-    parts: tuple[tuple[str, bool], ...]  # the words before further values, and whether they are required
+    parts: tuple[tuple[str, bool], ...]  # the words before further values, each with whether it is required
     level: int = 0
     node: ast.operator | ast.cmpop | ast.boolop | None = None
 
 
-Forms = Mapping[str, list[Form]]  # by their first word
+Forms = Mapping[str, list[Form]]  # forms by their first word
 
 
 def form(text: str, level: int = 0, node: str = "") -> Form:
-    """Return the form that is written like `beyond X by D [from Y]`; `node` names a class of `ast`."""
+    """Parse a form such as `beyond X by D [from Y]`; `node` names a class of `ast`."""
     name, value, rest = re.fullmatch(r"([^A-Z[]*[^A-Z[ ])( [A-Z])?((?: \[?[a-z]+ [A-Z]\]?)*)", text).groups()  # type: ignore[union-attr]
     parts = tuple((word, not bracket) for bracket, word in re.findall(r"(\[?)([a-z]+) [A-Z]", rest))
     return Form(text, name, tuple(name.split()), value is not None, parts, level, vars(ast)[node]() if node else None)
 
 
 def by_first_word(forms: Iterable[Form]) -> Forms:
-    """Return a table of forms; if two begin alike, the earlier one is tried first."""
+    """Return forms by first word; of forms with the same first word, the earlier is tried first."""
     table: dict[str, list[Form]] = {}
     for form in forms:
         table.setdefault(form.words[0], []).append(form)
     return table
 
 
-# Operators between two values, by level; Python's with the names of their nodes.
+# Operators between two values, by level; operators of Python with the names of their nodes.
 _INFIX = """
 UNTIL until X
 IMPLIES implies X
@@ -108,7 +108,7 @@ follow F from V for D
 initial scenario
 """
 MEASURES = by_first_word(map(form, _MEASURES.strip().splitlines()))
-# Those that may be names: by their last word, the signs that may begin the operand.
+# Operators that may be names: last word -> signs that may begin the operand.
 NAMES = {"visible": "(", "follow": ""}
 
 _SPECIFIERS = """
@@ -141,20 +141,20 @@ LIST_OF_SPECIFIERS = (
     "specifiers are: with, at, in, on, left of, right of, ahead of, behind, beyond, offset by, offset along, facing, "
     "facing toward, facing away from, apparently facing, following, visible"
 )
-# The likely meaning of a misspelled specifier; for its first word alone, the whole name.
+# Suggestions for misspelled specifiers; a first word maps to the whole name.
 _SPELLINGS = {
     "with": "with",
     **{word: rows[0].name for word, rows in SPECIFIERS.items()},
     **{row.name: row.name for rows in SPECIFIERS.values() for row in rows},
 }
-# The first words of those that might be operators: `Name at V` and the like.
+# The first words of specifiers that might be operators, as in `Name at V`.
 OPERATOR_WORDS = frozenset({"at", "in", "offset", "visible", "not"})
 
 
 # ---------------------------------------------------------------- hints
 
 BITS = frozenset({"&", "|", "^", "<<", ">>", "~"})
-# Unsupported forms of Python: the message, and the alternative.
+# Unsupported forms of Python: the message and the alternative.
 REFUSED = {
     "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
     "{": ("the {} of an f-string holds a value and a plain format", 'write "{value}" or "{value:.2f}"'),
@@ -217,7 +217,7 @@ LOOKALIKES = {
 COMPARES = '"==" compares'
 PROPERTIES = ("behavior", "width", "length", "role", "team", "speed", "name", "requireVisible", "allowCollisions")
 PLACED_BY = {"position": 'write "at x @ y"', "heading": 'write "facing 30 deg"'}
-# Words, and signs after a sign, in place of a value.
+# Hints for a word, or a sign after another sign, in place of a value.
 NO_VALUE = {
     "by": 'a distance follows its specifier: "ahead of X by 2"',
     "at": 'an instance is written "Class at X"',
@@ -235,7 +235,7 @@ NO_VALUE = {
     "- - end": 'write "-= 1"',
 }
 DURATIONS = {"wait": 'write "wait for 3 steps" or "wait for 3 seconds"'}
-# Words that lack a required continuation.
+# Hints for words without their required continuation.
 UNFINISHED = {
     "relative": 'write "relative heading of X"',
     "apparent": 'write "apparent heading of X"',
@@ -246,7 +246,7 @@ UNFINISHED = {
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str:
-    """Return the hint 'did you mean "..."?', or nothing without a near spelling; a table gives replacements."""
+    """Return the hint 'did you mean "..."?' for the nearest spelling, or ""; a table gives replacements."""
     close = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
     if not close:
         return ""
@@ -254,12 +254,12 @@ def nearest(word: str, candidates: Iterable[str]) -> str:
 
 
 def statement_hint(word: str) -> str:
-    """Return the hint for the likely statement of a first word."""
+    """Return a hint about the statement that a first word probably means."""
     return FOREIGN.get(word, "") or nearest(word, STATEMENT_WORDS)
 
 
 def specifier_hint(word: str) -> str:
-    """Return the hint for the likely specifier of a word, or how to write a property."""
+    """Return a hint about the specifier that a word probably means, or about the syntax of a property."""
     known = difflib.get_close_matches(word, PROPERTIES, 1, 0.8)
     hint = f'write "with {known[0]} ..."' if known else PLACED_BY.get(word, "") or nearest(word, _SPELLINGS)
     own = "" if word in SCENIC_KEYWORDS else f'write "with {word} ..." for a property; '

@@ -1,9 +1,9 @@
-"""Program text to tokens: Python's lexical rules, in one regular expression, each token with its place.
+"""From program text to tokens with places: Python's lexical rules in one regular expression.
 
-The standard library's `tokenize` is slower, splits f-strings differently from Python 3.12 on, and for invalid text
-gives neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
-INDENT and DEDENT tokens carry the layout; an INDENT after a comma, without a NEWLINE before it or a DEDENT after it, is
-a continued line. Columns count characters, so that a caret is placed correctly.
+The standard library's `tokenize` is slower, and splits f-strings differently from Python 3.12 on. For invalid text it
+gives neither the place (an open bracket: "EOF") nor a hint. This lexer drops comments and blank lines; NEWLINE, INDENT
+and DEDENT tokens represent the layout. An INDENT after a comma, without a NEWLINE before it or a DEDENT after it, marks
+a continued line. Columns count characters, so that carets align.
 Read next: `syntax.cursor`, which iterates over the tokens.
 """
 
@@ -48,7 +48,7 @@ _NEXT_LINE = re.compile(r"(?:[ \t\f]*+(?:\#[^\n]*+)?\n)*+([ \t\f]*+)(?=[^\s#])")
 _WORD = re.compile(r"\w*")
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
-# Words that may directly follow a number, as in `1if x else 2` and `30deg`.
+# Words that may follow a number without a space, as in `1if x else 2` and `30deg`.
 _AFTER_NUMBER = frozenset({"", "and", "or", "not", "if", "else", "for", "in", "is", "deg", "by"})
 
 Place = tuple[int, int, int, int]  # line, column, end line, end column
@@ -69,7 +69,7 @@ class Token(NamedTuple):
 
 
 class Source:
-    """A program's text with its lines, and the errors that point into it."""
+    """The text of a program, with access to its lines and errors at places of the text."""
 
     def __init__(self, text: str, file: str) -> None:
         self.text = unified(text)
@@ -77,11 +77,11 @@ class Source:
 
     @cached_property
     def line_starts(self) -> list[int]:
-        """The offset in the text at which each line begins."""
+        """The offset of the first character of each line."""
         return [0, *(match.end() for match in re.finditer("\n", self.text))]
 
     def line(self, number: int) -> str:
-        """Return the text of a line, counted from 1; empty beyond the last."""
+        """Return the text of a line, counted from 1; "" after the last line."""
         if not 0 < number <= len(self.line_starts):
             return ""
         start = self.line_starts[number - 1]
@@ -103,7 +103,7 @@ class Source:
 
 
 def unified(text: str) -> str:
-    """Return a text without byte order mark, with line feeds as the only line ends."""
+    """Return a text without a byte order mark, with all line ends converted to line feeds."""
     return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -126,7 +126,7 @@ def lex_part(source: Source, start: int, end: int) -> list[Token]:
 
 
 class _Lexer:
-    """The state of one pass over text[start:end]; `run` is the loop."""
+    """The state of one pass over text[start:end]; `run` is the main loop."""
 
     def __init__(self, source: Source, start: int, end: int) -> None:
         self.source, self.text = source, source.text
@@ -138,7 +138,7 @@ class _Lexer:
         self.tokens: list[Token] = []
 
     def run(self) -> list[Token]:
-        """Read everything."""
+        """Return the tokens of the whole range."""
         match, text, end, tokens = _TOKEN.match, self.text, self.end, self.tokens
         while True:
             matched = match(text, self.position, end)
@@ -178,7 +178,7 @@ class _Lexer:
         self.line_start = self.position
 
     def finish(self, end: int) -> list[Token]:
-        """Close the last line and every block."""
+        """Emit the final NEWLINE, DEDENTs and end token."""
         self.position = end
         column = end - self.line_start
         if self.brackets:
@@ -186,13 +186,13 @@ class _Lexer:
             raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
         if self.tokens and self.tokens[-1].kind not in ("newline", "dedent"):
             self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
-        # A last line that ends with its newline puts the end of the file on a line of its own.
+        # After a final line feed, the end of the file is on a line of its own.
         self.tokens += [Token("dedent", "", self.line, 0, self.line, 0) for _ in self.indents[1:]]
         self.tokens.append(Token("end", "", self.line, column, self.line, column))
         return self.tokens
 
     def indentation(self) -> None:
-        """Skip blank lines; emit INDENT, or as many DEDENTs as blocks end before the next line."""
+        """Skip blank lines; emit an INDENT, or one DEDENT for each block that ends before the next line."""
         while True:
             blanks = _INDENTATION.match(self.text, self.position, self.end)[0]  # type: ignore[index]  # always matches
             start = self.position + len(blanks)
@@ -226,7 +226,7 @@ class _Lexer:
             raise self.source.error("tabs and spaces are mixed in the indentation", token[2:], hint)
 
     def goes_on(self) -> bool:
-        """Continue after a comma at a line's end if the next line is indented deeper, as specifiers; return whether."""
+        """Continue a line after a comma if the next line is indented deeper, as for specifiers; return whether."""
         line = _NEXT_LINE.match(self.text, self.position, self.end)
         if line is None or len(line[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
             return False
@@ -236,7 +236,7 @@ class _Lexer:
         return True
 
     def bracket(self, token: Token) -> None:
-        """Push an opening bracket, or compare a closing one with its partner."""
+        """Push an opening bracket, or match a closing bracket with its opening bracket."""
         if token.text in _CLOSING:
             if len(self.brackets) >= MAX_BRACKETS:
                 raise self.source.error(f"brackets are nested more than {MAX_BRACKETS} deep", token[2:], kind="budget")
@@ -250,7 +250,7 @@ class _Lexer:
             raise self.source.error(message, token[2:], f'close it with "{_CLOSING[opening.text]}" first')
 
     def string(self, text: str, start: int) -> None:
-        """Emit a string, which may span lines."""
+        """Emit a string, which may span several lines."""
         line, column = self.line, start - self.line_start
         if "\n" in text:
             self.line += text.count("\n")
@@ -258,7 +258,7 @@ class _Lexer:
         self.tokens.append(Token("string", text, line, column, self.line, self.position - self.line_start))
 
     def error(self, message: str, start: int, end: int, hint: str = "") -> ScenicError:
-        """Return an error between two offsets of the present line."""
+        """Return an error from one offset to another in the present line."""
         place = (self.line, start - self.line_start, self.line, end - self.line_start)
         return self.source.error(message, place, hint)
 
@@ -270,7 +270,7 @@ class _Lexer:
         return self.error("the string is not closed in its line", start, end, f"it lacks a {opening[-1]}")
 
     def checked(self, token: Token) -> Token:
-        """Return a number not followed by letters, or a name in normal form that is an identifier."""
+        """Check a number or name: no letters may follow a number, and a name is normalized (NFKC) to an identifier."""
         start = self.line_start + token.column
         if token.kind == "name":
             name = unicodedata.normalize("NFKC", token.text)

@@ -1,12 +1,12 @@
 """The syntax tree: Python's own `ast` nodes, and one class for each production that Scenic adds.
 
-Scenic is Python plus a few forms, so its tree is Python's plus a few nodes: a plain Python program gives exactly what
-`ast.parse` gives, and `ast.walk`, `ast.dump` and `ast.NodeVisitor` work on everything. Every node carries `lineno`,
+Scenic adds a few forms to Python, so its tree adds a few nodes to Python's tree. A plain Python program gives the same
+tree as `ast.parse`, and `ast.walk`, `ast.dump` and `ast.NodeVisitor` work on all nodes. Every node has the `lineno`,
 `col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text; columns count characters. A tree is never passed to
-`compile`: a program is data.
+Python's `compile`: a program is data.
 
-The comment on each class is its production; the annotated names are its fields, and a name with a default is an
-attribute besides the fields, which `ast.walk` does not follow. Read next: `syntax.parser`, which creates these.
+The docstring or comment of each class is its production. Annotated names are its fields. A name with a default is an
+attribute, not a field, and `ast.walk` does not follow it. Read next: `syntax.parser`, which creates these.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import dataclass_transform
 
 @dataclass_transform()
 class _Declared(ast.AST):
-    """Derives `_fields` and `_attributes` of `ast`, of names with a default, from a class's annotations."""
+    """Derives `_fields` and, for names with a default, `_attributes` of `ast` from a class's annotations."""
 
     def __init_subclass__(cls) -> None:
         names = inspect.get_annotations(cls)
@@ -38,9 +38,9 @@ class Statement(_Declared, ast.stmt):
 class New(Expression):
     """`[new] Class spec, spec, ...`
 
-    `certain` is False for the forms that might be an operator or a plain name (`Name at V`, `Name in R`,
-    `Name offset by V`, a capitalized name alone): they are an instance only if the name turns out to be a Scenic
-    class. Otherwise they mean `operator`, or, if that is None, the plain name.
+    `certain` is False for forms that might be an operator or a plain name (`Name at V`, `Name in R`,
+    `Name offset by V`, a capitalized name alone). Such a form is an instance only if the name is a Scenic class at
+    evaluation. Otherwise it means `operator`, or the plain name if `operator` is None.
     """
 
     cls: ast.expr
@@ -50,9 +50,9 @@ class New(Expression):
 
 
 class Specifier(Expression):
-    """A form of `specifiers.FORMS`: `beyond X by D [from Y]` is ("beyond", [X, D, Y or None]), `with` ("with", [P, V]).
+    """One of `grammar.SPECIFIERS`: `beyond X by D [from Y]` is ("beyond", [X, D, Y or None]), `with` ("with", [P, V]).
 
-    `name` is its first words, `arguments` are its operands in the order of the text, None for an omitted one.
+    `name` is the first words, `arguments` are the operands in the order of the text; None is an omitted operand.
     """
 
     name: str
@@ -60,13 +60,14 @@ class Specifier(Expression):
 
 
 class Operator(Expression):
-    """An operator in words; `name` is its words, `operands` are its operands, None for an omitted one.
+    """A word operator: `name` is its words, `operands` are its operands; None is an omitted operand.
 
-    Those before a value are `operators.MEASURES`, the operands in the order of the letters: `distance to Y [from X]` is
-    ("distance", [X or None, Y]), `relative heading of H [from X]` ("relative heading of", [H, X or None]). Also
-    `visible R`, `not visible R`, `follow F from V for D`, `initial scenario`, and `always P`, `eventually P`, `next P`.
-    Those between values are the rows of `operators.INFIX`: `X relative to Y` is ("relative to", [X, Y]), `X deg`
-    ("deg", [X]), `X offset along H by Y` ("offset along", [X, H, Y]); but `X @ Y` is Python's BinOp with MatMult.
+    `grammar.MEASURES` lists operators before a value; their operands are in the order of the letters. For example,
+    `distance to Y [from X]` is ("distance", [X or None, Y]), and `relative heading of H [from X]` is ("relative heading
+    of", [H, X or None]). The other operators before a value are `visible R`, `not visible R`, `follow F from V for D`,
+    `initial scenario`, and the temporal `always P`, `eventually P`, `next P`.
+    `grammar.INFIX` lists operators between values: `X relative to Y` is ("relative to", [X, Y]), `X deg` is ("deg",
+    [X]), `X offset along H by Y` is ("offset along", [X, H, Y]). However, `X @ Y` is Python's BinOp with MatMult.
     """
 
     name: str
@@ -80,7 +81,7 @@ class Model(Statement):  # model a.b.c
 class Param(Statement):  # param n = e, 'quoted name' = e
     names: list[str]
     values: list[ast.expr]
-    places: Sequence[ast.expr] = ()  # where the names stand
+    places: Sequence[ast.expr] = ()  # the places of the names
 
 
 class Require(Statement):  # require[p] condition [as name]; p is a number from 0 to 1
@@ -131,9 +132,9 @@ class PropertyDefault(Statement):  # property[attributes]: default, in a class b
 
 
 class Behavior(Statement):
-    """`behavior B(args):`, `monitor M[(args)]:`; the guards and the docstring are removed from the body.
+    """`behavior B(args):` or `monitor M[(args)]:`; the body excludes the guards and the docstring.
 
-    `kind` is "behavior" or "monitor"; `started` is True for `monitor M:` without brackets, which Scenic 2 starts.
+    `kind` is "behavior" or "monitor"; `started` is True for `monitor M:` without brackets, which starts in Scenic 2.
     """
 
     name: str
@@ -146,7 +147,7 @@ class Behavior(Statement):
     started: bool = False
 
 
-class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks; a body without them is the setup
+class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks; a body without blocks is the setup
     name: str
     args: ast.arguments
     preconditions: list[ast.expr]
@@ -157,7 +158,7 @@ class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks;
 
     @property
     def acts(self) -> bool:
-        """Return whether it has a compose block, or guards to check instead."""
+        """Return whether the scenario has a compose block, preconditions or invariants."""
         return bool(self.compose or self.preconditions or self.invariants)
 
 
@@ -184,7 +185,7 @@ class Wait(Statement):  # wait, wait for n seconds | steps, wait until c
 class Do(Statement):  # do B(), C() [for n seconds | steps] [until c], do choose ..., do shuffle ...
     calls: list[ast.expr]
     how: str  # "all", "choose" or "shuffle"
-    weights: list[ast.expr] | None  # beside the calls, if there are any
+    weights: list[ast.expr] | None  # one per call, or None
     duration: ast.expr | None
     unit: str | None
     until: ast.expr | None
@@ -212,11 +213,11 @@ def is_temporal(node: ast.AST) -> bool:
 
 
 INNER_SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
-SUSPENDING = (Take, Wait, Do, Terminate)  # statements that let time pass
+SUSPENDING = (Take, Wait, Do, Terminate)  # statements during which time may pass
 
 
 def walk_own(*trees: ast.AST, scopes: tuple[type[ast.AST], ...] = INNER_SCOPES) -> Iterator[ast.AST]:
-    """Yield all nodes of some trees except those inside functions and classes defined in them."""
+    """Yield all nodes of some trees, except nodes inside the functions and classes that the trees define."""
     pending = list(trees)
     while pending:
         node = pending.pop()
@@ -226,5 +227,5 @@ def walk_own(*trees: ast.AST, scopes: tuple[type[ast.AST], ...] = INNER_SCOPES) 
 
 
 def suspends(*trees: ast.AST) -> bool:
-    """Return whether time may pass in some statements."""
+    """Return whether time may pass during some statements."""
     return any(isinstance(node, SUSPENDING) for node in walk_own(*trees))

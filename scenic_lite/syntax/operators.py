@@ -1,10 +1,10 @@
-"""Operators, and the instances that look like them: `[new] Class specifier, specifier, ...`.
+"""Operators, and instances, which resemble operators: `[new] Class specifier, specifier, ...`.
 
-Python's and Scenic's operators are parsed by precedence climbing, with the levels of the Scenic 3 grammar. Dialect 2
-differs in two points: the last operand of a word operator such as `distance from X to Y` also takes `relative to` and
-`offset by` (Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand of a sum. After a
-class without `new` most specifiers are unambiguous (`Name on R`, `Name with P V`); those that might also be operators
-are parsed as both. Read next: `syntax.statements`.
+Precedence climbing parses the operators of Python and Scenic, with the levels of the Scenic 3 grammar. Dialect 2
+differs in two points. The last operand of a word operator such as `distance from X to Y` also takes `relative to` and
+`offset by` (in Scenic 2 this operand extends to the end of the bracket). A word operator may be an operand of a sum.
+After a class without `new`, most specifiers are unambiguous (`Name on R`, `Name with P V`). Specifiers that might also
+be operators are parsed both ways. Read next: `syntax.statements`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def operation(c: Cursor, level: int) -> ast.expr:
 
 
 def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
-    """Continue after a value that begins at `start`, as long as operators of `level` or tighter follow."""
+    """Continue after a value that begins at `start`, while operators that bind at `level` or tighter follow."""
     links = 0
     while c.token.text in grammar.INFIX:
         infix = c.form(grammar.INFIX)
@@ -76,7 +76,7 @@ def refuse_bits(c: Cursor, sign: str) -> None:
 
 
 def joined(c: Cursor, left: ast.expr, infix: grammar.Form) -> ast.expr:
-    """Read an operator and what follows it; `left and right and ...`, `left < middle < ...` are one node."""
+    """Read an operator and its right operands; `left and right and ...` and `left < middle < ...` are one node."""
     node, sign = infix.node, c.token
     if isinstance(node, ast.operator):
         refuse_bits(c, sign.text)
@@ -104,16 +104,16 @@ def joined(c: Cursor, left: ast.expr, infix: grammar.Form) -> ast.expr:
 def operands(
     c: Cursor, form: grammar.Form, read: Callable[[str], ast.expr], reach: bool = False
 ) -> list[ast.expr | None]:
-    """Read the words of a form and its values, None for an omitted one.
+    """Read the words and values of a form; None is an omitted value.
 
-    `read` gets the words before its value; `reach`: a value extends as far as the word before the next one.
+    `read` takes the words before a value and reads it; `reach`: a value may extend up to the words of the next value.
     """
     c.go_to(c.index + len(form.words))
     start = c.token
     values: list[ast.expr | None] = [read(form.name)] if form.value else []
     for word, needed in form.parts:
         if reach:
-            values[-1] = up_to(c, word, values[-1], start)  # type: ignore[arg-type]  # only the last may be left out
+            values[-1] = up_to(c, word, values[-1], start)  # type: ignore[arg-type]  # only the last can be omitted
         if needed and c.token.text != word:
             c.missing(f'"{word}" in "{form.name}"', f'write "{form.text}"')
         written = c.accept(word)
@@ -123,7 +123,7 @@ def operands(
 
 
 def operand(c: Cursor, level: int) -> ast.expr:
-    """Read a value with its prefixes: a sign, `not`, a word operator."""
+    """Read a value with its prefixes: a sign, `not` or a word operator."""
     token = c.token
     read = PREFIXES.get(token.text)
     if read is not None:
@@ -136,14 +136,14 @@ def operand(c: Cursor, level: int) -> ast.expr:
 
 
 def signed(c: Cursor, token: Token, level: int) -> ast.expr:
-    """Read `-value` and the other signs."""
+    """Read a sign and its value, such as `-value`."""
     refuse_bits(c, token.text)
     c.advance()
     return c.at(token, ast.UnaryOp(grammar.SIGNS[token.text](), operand(c, grammar.Level.UNARY)))
 
 
 def negation(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """Read `not operation`, `not visible region`."""
+    """Read `not operation` or `not visible region`."""
     if (region := measure(c, token, level)) is not None:
         return region
     if level > grammar.Level.NOT:
@@ -163,7 +163,7 @@ def always(c: Cursor, token: Token, level: int) -> ast.expr | None:
 
 
 def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
-    """Return whether a value begins that many tokens ahead, and no operator between two values."""
+    """Return whether the token `ahead` places later begins a value, not an operator between two values."""
     token, following = c.peek(ahead), c.peek(ahead + 1)
     if not c.starts_value(token, signs):
         return False
@@ -182,7 +182,7 @@ def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
     signs = grammar.NAMES.get(form.words[-1])
     if signs is not None and not begins_operand(c, len(form.words), signs):
         return None
-    if c.dialect == 3 and level > grammar.Level.PREFIX:  # there it cannot be an operand of a sum or product
+    if c.dialect == 3 and level > grammar.Level.PREFIX:  # in dialect 3 it cannot be an operand of a sum or product
         text = f"{token.text} {c.peek().text}"
         c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
     reach = grammar.Level.ALONG if c.dialect == 2 else grammar.Level.PREFIX
@@ -193,7 +193,7 @@ def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
 
 
 def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
-    """Extend the first operand to a full expression if that reaches the word before the second one."""
+    """Extend the first operand to a full expression if the expression ends at the word before the second operand."""
     if c.token.text == partner or c.token in c.no_partner:
         return first
     index, nesting, brackets, temporal = c.index, c.nesting, len(c.brackets), c.temporal
@@ -211,7 +211,7 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
     return first
 
 
-# Prefixes by first word or sign; a parser returns None if the word is a name there.
+# Prefixes by first word or sign; a parser returns None if the word is a name in its context.
 PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
     **dict.fromkeys(grammar.SIGNS, signed),
     **dict.fromkeys(grammar.MEASURES, measure),
@@ -221,7 +221,7 @@ PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
 
 
 def primary(c: Cursor, start: Token) -> ast.expr:
-    """Read `atom` followed by attributes, calls and indices; by specifiers, or by `** operand`."""
+    """Read `atom` followed by attributes, calls and indices, then by specifiers or `** operand`."""
     value = (new_instance(c, start) if start.text == "new" else None) or atom(c, start)
     links = 0
     while c.token.text in (".", "(", "["):
@@ -247,7 +247,7 @@ def primary(c: Cursor, start: Token) -> ast.expr:
 
 # ---------------------------------------------------------------- instances
 def new_instance(c: Cursor, start: Token) -> ast.expr | None:
-    """Read `new Class [specifiers]`; None if `new` is a name, as it may be in dialect 2."""
+    """Read `new Class [specifiers]`; None if `new` is a name, which dialect 2 allows."""
     if c.peek().kind != "name" and c.dialect == 2:
         return None
     c.advance()
@@ -295,7 +295,7 @@ def possible_instance(c: Cursor) -> ast.expr | None:
 
 
 def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -> ast.expr:
-    """Read the continuation once, and build the instance and the operator from it."""
+    """Read the continuation once, and build both the instance and the operator from it."""
     place, begins = c.token, [c.token]
 
     def read(words: str) -> ast.expr:
@@ -309,7 +309,7 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -
     if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
-    if infix.name == "in" and c.form(grammar.INFIX):  # looser operators compute no region: a comparison
+    if infix.name == "in" and c.form(grammar.INFIX):  # a region has no looser operators: a comparison
         return conditional(c, continued(c, operator, grammar.Level.OR, start), start)
     whole = conditional(c, continued(c, value, grammar.Level.OR, begins[-1]), begins[-1])
     specifier = c.at(place, Specifier(infix.name.removesuffix(" from"), [*before, whole]))
@@ -321,7 +321,7 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -
 
 
 def starts_instance(c: Cursor) -> bool:
-    """Return whether, after a name, a specifier follows that cannot be an operator."""
+    """Return whether a specifier that cannot be an operator follows after a name."""
     if c.in_target or c.token.text == "with":
         return not c.in_target and c.is_name(c.peek())
     form = next_form(c)
@@ -350,7 +350,7 @@ def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
             continue
         if is_misspelt(c):
             c.fail(f'unknown specifier "{c.token.text}"', grammar.specifier_hint(c.token.text))
-        # After a comma outside of brackets another instance makes a tuple.
+        # Outside brackets, another instance after a comma creates a tuple.
         tuple_of_instances = c.token.kind == "name" and (c.token.text == "new" or c.token.text[0].isupper())
         if next_line or (not c.brackets and not tuple_of_instances):
             hint = f'write "with {c.token.text} value"' if c.peek().text == "=" else ""
@@ -361,12 +361,12 @@ def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
 
 
 def begins_specifier(c: Cursor) -> bool:
-    """Return whether a specifier comes next."""
+    """Return whether a specifier follows."""
     return c.token.text == "with" or next_form(c) is not None
 
 
 def next_form(c: Cursor) -> grammar.Form | None:
-    """Return the form whose words come next, if they are followed by what it needs."""
+    """Return the specifier form whose words follow, if the next token can continue the form."""
     for form in grammar.SPECIFIERS.get(c.token.text, ()):
         if c.sees(*form.words):
             following = c.peek(len(form.words))
@@ -402,7 +402,7 @@ def with_property(c: Cursor) -> Specifier:
 
 
 def specifier_value(c: Cursor, name: str, level: int | None = None) -> ast.expr:
-    """Read the value after the words of a specifier: an expression, or operators of a level."""
+    """Read the value after the words of a specifier: an expression, or an operation of the given level."""
     if name == "facing" and c.token.text in ("to", "at", "towards") and c.starts_value(c.peek(), ""):
         c.fail(f'unknown specifier "facing {c.token.text}"', 'did you mean "facing toward"?')
     if c.token.kind in ("newline", "end") or c.token.text in (",", ")"):
@@ -411,7 +411,7 @@ def specifier_value(c: Cursor, name: str, level: int | None = None) -> ast.expr:
 
 
 def is_misspelt(c: Cursor) -> bool:
-    """Return whether two words stand side by side that no expression begins with."""
+    """Return whether two adjacent words follow with which no expression can begin."""
     token, following = c.token, c.peek()
     if not c.is_plain_name(token) or token.text in grammar.INFIX or token.text in PREFIXES:
         return False

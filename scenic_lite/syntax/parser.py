@@ -1,8 +1,8 @@
-"""Program text to syntax tree: a hand-written recursive descent over the tokens, for Scenic 2 and 3 in one grammar.
+"""From program text to syntax tree: a hand-written recursive-descent parser with one grammar for Scenic 2 and 3.
 
-Each file reads parts of the next ones: `cursor` walks the tokens; `expressions` and `operators` read values;
-`statements` Python's statements, and this file those that Scenic adds. All of their words except Scenic 3's hard
-keywords are names elsewhere, so the following tokens decide. No text is ever passed to Python's compiler.
+The module `cursor` walks the tokens. `expressions` and `operators` read values, `statements` reads Python's statements,
+and this module reads the statements that Scenic adds. The first words of these statements may also be names, except
+Scenic 3's hard keywords, so the following tokens decide. No text is ever passed to Python's compiler.
 Read next: `syntax.nodes`, the resulting nodes, and `syntax.check`, for the rules that need the whole tree.
 """
 
@@ -24,15 +24,15 @@ from scenic_lite.syntax.statements import Rule, block
 DIALECTS = (2, 3)
 MARKER = re.compile(r"#!?\s*(?:scenic|dialect)\s*:\s*(?P<version>\d[^\s;,]*)\s*(?:[;,].*)?$", re.IGNORECASE)
 UNITS = ("seconds", "steps")
-ATTRIBUTES = ("additive", "dynamic", "final")  # of a property
+ATTRIBUTES = ("additive", "dynamic", "final")  # attributes of a property
 NO_PARAMETERS = ast.arguments([], [], None, [], [], None, [])
 
 
 def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
     """Parse a program into Python's `ast` nodes and those of `nodes`.
 
-    `dialect` 2 or 3 selects the version of Scenic where they differ. Columns count characters, not bytes as
-    Python's do. Raises ScenicError: `syntax`, `unsupported`, or `budget` for a program too long or nested too deeply.
+    `dialect` 2 or 3 selects the version of Scenic. Columns count characters, unlike Python's columns, which count
+    bytes. Raises ScenicError: `syntax`, `unsupported`, or `budget` if the program is too long or too deeply nested.
     """
     if dialect not in DIALECTS:
         raise ValueError(f"dialect must be 2 or 3, not {dialect!r}")
@@ -47,9 +47,9 @@ def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
 
 
 def dialect_of(text: str, file: str, dialect: int | None) -> int:
-    """Return 2 or 3: the requested one; else by a first line like `# scenic: 3`; else 3 if `new` precedes a name, or 2.
+    """Return the dialect: as requested, or from a first line `# scenic: 3`, or 3 if `new` precedes a class, else 2.
 
-    Raises ValueError for a requested dialect that does not exist, ScenicError for a first line with an unknown one.
+    Raises ValueError for an unknown requested dialect, ScenicError for an unknown dialect in the first line.
     """
     if dialect is not None:
         if dialect not in DIALECTS:
@@ -68,7 +68,7 @@ def dialect_of(text: str, file: str, dialect: int | None) -> int:
 
 
 def makes_instances_with_new(text: str, file: str) -> bool:
-    """Return whether the word `new` is used as in Scenic 3: before the name of a class, and not as a name itself."""
+    """Return whether the program uses the word `new` as in Scenic 3: before a class name, and not as a name."""
     if "new" not in text:
         return False
     tokens = lex(Source(text, file))
@@ -81,7 +81,7 @@ def makes_instances_with_new(text: str, file: str) -> bool:
 
 # ---------------------------------------------------------------- after a first word
 def begins_value(c: Cursor, following: Token) -> bool:
-    """Return whether a value follows the word, so that it is a statement: `take -x` is one, `take - x` a difference."""
+    """Return whether a value follows a first word, which makes it a statement: `take -x`, but not `take - x`."""
     if following.text in SIGNS or following.text == "*":
         adjacent = c.peek(2).column == following.end_column
         return adjacent and following.column > c.token.end_column
@@ -89,7 +89,7 @@ def begins_value(c: Cursor, following: Token) -> bool:
 
 
 def begins_action(c: Cursor, following: Token) -> bool:
-    """Return the result of `begins_value`, after `take` and `do`, which need an operand."""
+    """Return the result of `begins_value` after `take` or `do`, which require an operand."""
     if following.kind in ("newline", "end") and c.token.text == "take":
         c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
     if following.kind in ("newline", "end"):
@@ -103,7 +103,7 @@ def begins_definition(c: Cursor, following: Token) -> bool:
 
 
 def begins_interrupt(c: Cursor, following: Token) -> bool:
-    """Refuse an `interrupt when` without a `try`."""
+    """Reject an `interrupt when` without a `try`."""
     if following.text == "when":
         c.fail('"interrupt when" without "try" before it', 'indent it like the "try" to which it belongs')
     return False
@@ -118,7 +118,7 @@ def param(c: Cursor, start: Token) -> ast.stmt:
 
 
 def one_param(c: Cursor, node: nodes.Param) -> ast.expr:
-    """Add `name = value` to a statement; returns the place of the name."""
+    """Read `name = value` into a statement; return the place of the name."""
     place, name = quoted_name(c, "the name of a parameter")
     c.expect("=", f'after the name of the parameter "{name}"', 'write "param name = value"')
     node.names.append(name)
@@ -127,7 +127,7 @@ def one_param(c: Cursor, node: nodes.Param) -> ast.expr:
 
 
 def quoted_name(c: Cursor, what: str) -> tuple[ast.expr, str]:
-    """Read a name, or one in quotes; returns its place and its text."""
+    """Read a plain or quoted name; return its place and its text."""
     start = c.token
     if start.kind != "string":
         c.name(what)
@@ -160,14 +160,14 @@ def soft(c: Cursor) -> ast.expr:
         hint = 'write "require[0.5] condition"'
         c.fail("the probability of a soft requirement must be a number between 0 and 1", hint)
     value = atom(c, start)
-    if isinstance(value, ast.Constant) and not 0 <= value.value <= 1:  # type: ignore[operator]  # of a number
+    if isinstance(value, ast.Constant) and not 0 <= value.value <= 1:  # type: ignore[operator]  # a number
         c.fail(f"the probability of a soft requirement must lie between 0 and 1, not {start.text}", at=start)
     c.advance()
     return value
 
 
 def as_name(c: Cursor) -> str | None:
-    """Read `[as name]`; the name may stand in quotes."""
+    """Read `[as name]`; the name may be quoted."""
     return quoted_name(c, "the name of a requirement or record")[1] if c.accept("as") else None
 
 
@@ -224,7 +224,7 @@ def do(c: Cursor, start: Token) -> ast.stmt:
 
 
 def duration(c: Cursor, word: str | None) -> tuple[ast.expr | None, str | None]:
-    """Read `[word n seconds | steps]`; without a unit seconds are meant, which Scenic 3 does not allow."""
+    """Read `[word n seconds | steps]`; the default unit is seconds, but Scenic 3 requires a unit."""
     if word is None or not c.accept(word):
         return None, None
     value = operators.expression(c)
@@ -244,7 +244,7 @@ def terminate(c: Cursor, start: Token) -> ast.stmt:
     if c.accept("when"):
         return nodes.TerminateWhen(condition(c), scope, as_name(c))
     if scope == "scenario" and c.token.text == "after":
-        return nodes.TerminateAfter(*duration(c, "after"))  # type: ignore[arg-type]  # there is one
+        return nodes.TerminateAfter(*duration(c, "after"))  # type: ignore[arg-type]  # the duration exists
     if not c.ends_statement():
         hint = 'write "terminate when condition", "terminate after 10 seconds" or "terminate" alone'
         c.fail(f'unexpected {describe(c.token)} after "terminate"', hint)
@@ -263,7 +263,7 @@ def behavior(c: Cursor, start: Token) -> ast.stmt:
 
 
 def scenario(c: Cursor, start: Token) -> ast.stmt:
-    """Read `scenario S[(args)]:` with `setup:` and `compose:` blocks, or statements that are its setup."""
+    """Read `scenario S[(args)]:` with `setup:` and `compose:` blocks, or with the statements of its setup."""
     name = c.name("the name of a scenario").text
     owner = f'the scenario "{name}"'
     arguments = bracketed_parameters(c, owner) if c.token.text == "(" else NO_PARAMETERS
@@ -283,7 +283,7 @@ def scenario(c: Cursor, start: Token) -> ast.stmt:
 
 
 def head(c: Cursor, node: nodes.Behavior | nodes.Scenario) -> None:
-    """Read a string alone on the first line, and the `precondition: c` and `invariant: c` lines."""
+    """Read an optional docstring, and the `precondition: c` and `invariant: c` lines."""
     if c.token.kind == "string" and c.peek().kind == "newline":
         value = strings(c)
         node.docstring = str(value.value) if isinstance(value, ast.Constant) else None

@@ -1,4 +1,4 @@
-"""Python's statements, simple and compound ones, and hints for mistakes.
+"""Python's simple and compound statements, and hints for mistakes.
 
 Read next: `syntax.parser`, for the statements of Scenic.
 """
@@ -18,7 +18,7 @@ from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
 
 
 class Rule(NamedTuple):
-    """A statement by its first word: the parser of the rest, and whether the following tokens make it a statement."""
+    """A statement by its first word: the parser of the rest, and a test whether the next tokens make it a statement."""
 
     read: Callable[[Cursor, Token], ast.stmt]
     begins: Callable[[Cursor, Token], bool] = lambda c, following: True
@@ -33,7 +33,7 @@ def module(c: Cursor) -> ast.Module:
 
 
 def statement(c: Cursor) -> list[ast.stmt]:
-    """Read one compound statement, or a line of simple ones."""
+    """Read one compound statement, or a line of simple statements."""
     if c.token.kind == "indent":
         unexpected_indent(c)
     node = by_first_word(c, c.blocks, c.token.text) if c.peek().text != "=" else None
@@ -41,7 +41,7 @@ def statement(c: Cursor) -> list[ast.stmt]:
 
 
 def by_first_word(c: Cursor, rules: Mapping[str, Rule], word: str) -> ast.stmt | None:
-    """Read a statement that begins with a word of these rules; None if the word is a name here."""
+    """Read a statement that begins with a word of these rules; None if the word is a name in this context."""
     rule, start = rules.get(word), c.token
     if rule is None or not rule.begins(c, c.peek()):
         return None
@@ -74,7 +74,7 @@ def simple_statement(c: Cursor) -> ast.stmt:
 
 
 def begins_property(c: Cursor, following: Token) -> bool:
-    """Return whether `name: default` or `name[attributes]: default` comes next."""
+    """Return whether `name: default` or `name[attributes]: default` follows."""
     if following.text == ":":
         return c.is_name(c.token) or c.token.text == "behavior"
     ahead = 2
@@ -103,7 +103,7 @@ def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
         c.fail(f"unexpected {describe(token)} after the statement", hint)
     if token.text in ("&", "|", "!"):
         c.fail(f"unexpected {describe(token)}", 'the logical operators are "and", "or", "not"')
-    if token.kind == "name" and before.kind == "name":  # a misspelled first word, or a misspelled specifier
+    if token.kind == "name" and before.kind == "name":  # a misspelled first word or specifier
         if isinstance(value, New | ast.Name) and (hint := grammar.statement_hint(before.text)):
             c.fail(f'unknown statement "{before.text}"', hint, at=before)
         if token.text == "with":
@@ -154,7 +154,7 @@ def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
 
 
 def colon(c: Cursor, start: Token) -> NoReturn:
-    """Report `name: ...` that is not a statement: a misspelled word, a guard too late, the type of a variable."""
+    """Report `name: ...` that is not a statement: a misspelled word, a late guard, or a variable annotation."""
     if start.text in ("precondition", "invariant"):
         c.fail(f'"{start.text}" may only stand before the first statement', at=start)
     if c.peek().kind == "newline":
@@ -163,7 +163,7 @@ def colon(c: Cursor, start: Token) -> NoReturn:
 
 
 def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
-    """Return a possible instance: in dialect 2 a capitalized name alone, as a statement or assigned."""
+    """Return a possible instance: in dialect 2, a single capitalized name as a statement or an assigned value."""
     if c.dialect != 2 or not isinstance(value, ast.Name) or not value.id[0].isupper() or start.text == "(":
         return value
     node = c.at(start, New(value, []))
@@ -203,7 +203,7 @@ def alias(c: Cursor, start: Token, name: str) -> ast.alias:
 
 
 def dotted_name(c: Cursor, what: str) -> str:
-    """Read `a.b.c`; words of Scenic are allowed in it."""
+    """Read `a.b.c`; the parts may be Scenic keywords."""
     parts = [c.word(f"the name of {what}")]
     while c.accept("."):
         parts.append(c.word(f"the name of {what}"))
@@ -211,12 +211,12 @@ def dotted_name(c: Cursor, what: str) -> str:
 
 
 def refused(c: Cursor, start: Token) -> NoReturn:
-    """Refuse an unsupported statement of Python."""
+    """Reject an unsupported statement of Python."""
     c.refuse(start.text, start)
 
 
 def misplaced(c: Cursor, start: Token) -> NoReturn:
-    """Report a word that only continues a missing statement."""
+    """Report a word that can only continue a statement, such as `else`."""
     owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(start.text)
     if owner:
         c.fail(f'"{start.text}" without "{owner}" before it', at=start)
@@ -225,9 +225,9 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 
 # ---------------------------------------------------------------- blocks
 def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_class: bool = False) -> list[ast.stmt]:
-    """Read `: statements`, on the same line or indented below; `owner` describes the statement for messages.
+    """Read `: statements` on the same line or in an indented block; `owner` describes the statement in messages.
 
-    `begin` reads lines before the statements, and excludes statements on the same line.
+    `begin` reads lines before the statements, and disallows statements on the same line.
     """
     if c.token.text == "=":
         c.fail('"=" assigns and cannot stand in a condition', COMPARES)
@@ -266,7 +266,7 @@ def else_block(c: Cursor) -> list[ast.stmt]:
 
 
 def if_statement(c: Cursor, start: Token) -> ast.stmt:
-    """Read `if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
+    """Read `if ...: ... elif ...: ... else: ...`; a loop reads a long chain of `elif`."""
     parts: list[tuple[Token, ast.If]] = []
     while not parts or c.token.text == "elif":
         word = c.advance() if parts else start
@@ -314,12 +314,12 @@ def function(c: Cursor, start: Token) -> ast.stmt:
     returns = c.expression() if c.accept("->") else None
     body = block(c, f'the head of the function "{name}"')
     node = ast.FunctionDef(name, parameters, body, [], returns)
-    node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
+    node.type_params = []  # type: ignore[attr-defined]  # a field since Python 3.12
     return node
 
 
 def begins_refused(c: Cursor, following: Token) -> bool:
-    """Refuse Python's `match` and `with` by their context: `match` may also be a name, `with` a misplaced specifier."""
+    """Reject Python's `match` and `with` statements, and a misplaced `with` specifier; `match` may be a name."""
     ahead = 1
     while c.peek(ahead).kind not in ("newline", "end"):
         ahead += 1

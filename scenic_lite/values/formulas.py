@@ -1,7 +1,7 @@
 """Formulas of the plane and of the normal distribution, on arrays [N] or single numbers.
 
-They are written once and used twice: on arrays, and compiled by the virtual machine for single numbers
-(`dynamics.machine.vm_geometry`). Read next: `values.operations`, which makes operations of them.
+Scenes evaluate each formula on arrays; the virtual machine compiles the same formula for single numbers
+(`dynamics.machine.vm_geometry`). Read next: `values.operations`, which turns the formulas into operations.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 TURN = 2 * math.pi
-ARC_SEGMENTS = 128  # of a circle's polygon
-CLOSENESS = 1e-9  # a point this near a boundary belongs to it
-# A normal value is truncated at the quantiles of this probability (about eight standard deviations), for θ = ±1.
+ARC_SEGMENTS = 128  # number of segments in the polygon of a circle
+CLOSENESS = 1e-9  # a point within this distance of a boundary belongs to it
+# θ = ±1 truncates a normal value at the quantiles of this probability, about eight standard deviations.
 LEAST_PROBABILITY = 2.0**-52
 
 
@@ -46,8 +46,8 @@ def sector_meets_rectangle(
 ) -> Any:
     """Return whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length).
 
-    They meet if the apex is in the rectangle, a corner is in the sector, or an edge crosses the arc or one of the two
-    straight sides. Arrays [N] or scalars.
+    They meet if the rectangle contains the apex, the sector contains a corner, or an edge crosses the arc or one of
+    the two straight sides. Arrays [N] or scalars.
     """
     c, s = np.cos(turn), np.sin(turn)
     local_x, local_y = in_frame(x - cx, y - cy, turn)
@@ -65,7 +65,7 @@ def sector_meets_rectangle(
 
 
 def edge_meets_arc(px: Any, py: Any, qx: Any, qy: Any, radius: Any, heading: Any, angle: Any) -> Any:
-    """Return whether a segment crosses the circle of `radius` round the origin within the sector's angle."""
+    """Return whether a segment crosses the arc of a sector: radius `radius`, center at the origin."""
     dx, dy = qx - px, qy - py
     a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
@@ -78,7 +78,7 @@ def edge_meets_arc(px: Any, py: Any, qx: Any, qy: Any, radius: Any, heading: Any
 
 
 def edge_meets_ray(px: Any, py: Any, qx: Any, qy: Any, turn: Any, radius: Any) -> Any:
-    """Return whether a segment crosses the segment of length `radius` from the origin along a heading."""
+    """Return whether a segment crosses a straight side of a sector: from the origin, along heading `turn`."""
     ray_x, ray_y = -np.sin(turn), np.cos(turn)
     side_p, side_q = ray_x * py - ray_y * px, ray_x * qy - ray_y * qx
     along_p, along_q = ray_x * px + ray_y * py, ray_x * qx + ray_y * qy
@@ -92,10 +92,10 @@ def rectangles_meet(
 ) -> Any:  # fmt: skip
     """Return whether two rectangles, each (x, y, heading, width, length), have a common point; touching counts.
 
-    They are disjoint exactly if they are separated along one of their four axes. Arrays of any one shape, or scalars.
+    By the separating axis theorem, only their four axes need a test. Arrays of any common shape, or scalars.
     """
     ca, sa, cb, sb = np.cos(turn_a), np.sin(turn_a), np.cos(turn_b), np.sin(turn_b)
-    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)  # of the angle between them
+    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)  # absolute cosine and sine of the angle between them
     dx, dy = bx - ax, by - ay
     across_a, along_a, across_b, along_b = width_a / 2, length_a / 2, width_b / 2, length_b / 2
     return (
@@ -109,7 +109,7 @@ def rectangles_meet(
 def edges_clear(edges: Any, corners: Any) -> Any:
     """Return whether no edge enters the interior of a rectangle: edges [E, 4], corners [8, N] -> [N].
 
-    An edge stays out exactly if it is separated from the rectangle along one of its two sides, or along its own normal.
+    An edge stays outside exactly if the axes of the rectangle or the edge's own normal separate the two.
     """
     x, y = (corners[0] + corners[4]) / 2, (corners[1] + corners[5]) / 2
     across_x, across_y = (corners[0] - corners[2]) / 2, (corners[1] - corners[3]) / 2  # half the width
@@ -130,7 +130,7 @@ def edges_clear(edges: Any, corners: Any) -> Any:
 
 
 def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
-    """Return discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    """Return discs or sectors as closed polygons whose arcs are chords of equal length: [N] or scalars -> [N, K, 2]."""
     x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
     turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
     rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
@@ -162,12 +162,12 @@ def normal_quantile(uniform: Any) -> Any:
 
 
 def either(condition: Any, first: Any, second: Any) -> Any:
-    """Return elementwise one or the other; the machine has its own version for numbers."""
+    """Return `np.where`; the virtual machine replaces this function by a version for numbers."""
     return np.where(condition, first, second)
 
 
 def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
-    """Return a quotient of two polynomials, highest power first."""
+    """Return a quotient of two polynomials with coefficients from the highest power down."""
     return horner(x, coefficients[0]) / horner(x, coefficients[1])
 
 

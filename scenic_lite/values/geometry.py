@@ -1,7 +1,7 @@
-"""Vectors, angles and oriented rectangles; the same code for numbers and random values.
+"""Vectors, angles and oriented rectangles, for both fixed and random numbers.
 
-Headings are in radians, 0 along +y, counterclockwise. Read next: `values.regions`; `scene.constraints`,
-which tests rectangles.
+Headings are in radians, 0 along +y, counterclockwise. Read next: `values.regions`; `scene.constraints`, which tests
+rectangles.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, HYPOTENUSE, NOR
 
 
 class Vector:
-    """A point or displacement in the plane; each component is a number or random."""
+    """A point or displacement in the plane; each component is a fixed or random number."""
 
     __slots__ = ("x", "y")
 
@@ -62,7 +62,7 @@ class Vector:
         return is_number(self.x) and is_number(self.y)
 
     def rotated(self, angle: Value) -> Vector:
-        """Return the vector rotated counterclockwise by `angle`; unchanged if that is 0."""
+        """Return the vector rotated counterclockwise by `angle`; an angle of 0 leaves it exactly unchanged."""
         c, s = cosine(angle), sine(angle)
         return Vector(self.x * c - self.y * s, self.x * s + self.y * c)
 
@@ -71,15 +71,15 @@ class Vector:
 
 
 class Located(ABC):
-    """A value that stands for its position where a vector is expected."""
+    """A value that can replace a vector, which is then the position of the value."""
 
     @abstractmethod
     def position_vector(self) -> Vector | None:
-        """Return the position, or None if it has none (yet)."""
+        """Return the position; None if the value has no position, or none yet."""
 
 
 def is_scalar(value: Value) -> bool:
-    """Return whether a value is a number, fixed or random."""
+    """Return whether a value is a fixed or random number."""
     return is_number(value) or (isinstance(value, RandomExpr) and value.kind == "number")
 
 
@@ -97,9 +97,9 @@ def scalar_operand(value: Value, sign: str) -> Value:
 
 
 def as_vector(value: Value) -> Vector | None:
-    """Return a value as a vector: a vector itself, a pair of numbers, anything with a position.
+    """Convert a vector, a pair of numbers or a value with a position to a vector; return None for other values.
 
-    Of three coordinates the third must be 0.
+    A third coordinate must be 0.
     """
     if isinstance(value, Vector):
         return value
@@ -119,7 +119,7 @@ def cosine(angle: Value) -> Value:
 
 
 def normalized(angle: Value) -> Value:
-    """Return the same angle in [-π, π]; both ends stay unchanged."""
+    """Return the equivalent angle in [-π, π]; -π and π stay unchanged."""
     return apply(NORMALISE, angle)
 
 
@@ -140,12 +140,12 @@ def corners(position: Vector, heading: Value, width: Value, length: Value) -> li
 
 
 def coordinates(points: Iterable[Vector]) -> list[Value]:
-    """Return x and y of each point in turn."""
+    """Return x and y of the points as one list: x, y, x, y, ..."""
     return [part for point in points for part in (point.x, point.y)]
 
 
 def vector_by(function: Callable[..., tuple[Any, Any]], *operands: Value) -> Vector:
-    """Return the vector whose x and y a function for arrays computes together."""
+    """Return a vector; one array function computes both coordinates."""
     both = apply(Operation(quietly(function, tuple), function), *operands, kind="any")
     if isinstance(both, RandomExpr):
         return Vector(RandomExpr(x_of, (both,)), RandomExpr(y_of, (both,)))

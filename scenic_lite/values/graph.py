@@ -1,8 +1,8 @@
-"""Random values: nodes of an expression graph, and the tape that evaluates many of them for N samples at once.
+"""Random values as nodes of an expression graph, and the tape that evaluates the nodes for N samples at once.
 
-A program is walked once. If an operand is random, the walk creates a `RandomExpr` node instead of a number; a `Tape`
-then holds the nodes in topological order, so that N scenes cost one array operation per node, whatever N. Read next:
-`language.distributions`, which creates the columns; `scene.program`, which owns the tape.
+The evaluator walks a program once. If an operand is random, the walk creates a `RandomExpr` node instead of a number.
+A `Tape` then holds the nodes in topological order, so that N scenes cost one array operation per node, for every N.
+Read next: `language.distributions`, which creates the columns; `scene.program`, which owns the tape.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values import operations
 from scenic_lite.values.operations import Operation, quietly, to_integers
 
-MOST_NUMBERS = 1 << 28  # alive at once during a run of a tape: 2 GB
-Value = Any  # a number, text, container or one of the classes of `values`; or a random one
+MOST_NUMBERS = 1 << 28  # maximum live numbers during a run of a tape: 2 GB
+Value = Any  # a fixed or random number, text, container or instance of a class of `values`
 
 
 def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Callable[[Any, Value], Value]]:
-    """Return the methods of an operator for a random left side and for a random right side."""
+    """Return two methods for an operator: one for a random left operand, one for a random right operand."""
     return (
         lambda self, other: arithmetic(operation, self, other),
         lambda self, other: arithmetic(operation, other, self),
@@ -31,10 +31,10 @@ def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Call
 
 
 class RandomExpr:
-    """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
+    """A value that differs between scenes: `operation` applied to `inputs`, elementwise over the N samples.
 
-    `kind` is "number", "truth", "text" or "any", for finding mistakes while the program is loaded. `drawn` is the
-    column that represents this value, if one does.
+    `kind` is "number", "truth", "text" or "any"; it reveals type errors while the program is loaded. `drawn` is the
+    column that represents this value, if there is one.
     """
 
     __slots__ = ("drawn", "inputs", "kind", "operation")
@@ -82,12 +82,12 @@ class RandomExpr:
 
 
 class ThetaColumn(RandomExpr):
-    """One column of θ, already scaled: `low + (θ + 1) / 2 · span`; the leaf of the graph.
+    """One scaled column of θ, `offset + (θ + 1) / 2 · span`: a leaf of the graph.
 
-    `shown` is the readable node (a coordinate, the chosen value), `low` and `high` its limits in the program's units;
-    `owner` is the owner of the value until a variable gives it a better name. `pruning` may turn it into a node of
-    other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`, its options, in the
-    order of the program.
+    `shown` is the readable node (a coordinate or the chosen value); `low` and `high` are its limits in the program's
+    units. `owner` names the value until a variable holds it. `pruning` may turn the column into a node of other
+    columns, which has an operation. For a choice, `listed` are the options in the order of the program, and `weights`
+    their shares of θ.
     """
 
     __slots__ = (
@@ -106,12 +106,12 @@ class ThetaColumn(RandomExpr):
         self.drawn = self
         self.name = ""
         self.owner: Any = None
-        self.options: tuple = ()  # of a choice of structured values, represented by its index
+        self.options: tuple = ()  # the options of a choice of structured values, which its index represents
         self.listed: tuple = ()
         self.weights: tuple[float, ...] = ()
 
     def show(self, value: Value, low: float = -math.inf, high: float = math.inf) -> Value:
-        """Set the readable value and its limits (nan if they differ between scenes); return the value."""
+        """Set the readable value and its limits (nan if the limits are random); return the value."""
         self.shown, self.low, self.high = value, low, high
         value.drawn = self
         return value
@@ -122,9 +122,9 @@ def is_number(value: Value) -> bool:
 
 
 def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
-    """Apply `operation` to numbers at once, or create a node if an operand is random.
+    """Apply `operation` to numbers immediately; create a node if an operand is random.
 
-    `kind` is the result's kind, if the table of operations does not give it.
+    `kind` is the kind of the result; the default is the kind in the table of operations.
     """
     if any(isinstance(operand, RandomExpr) for operand in operands):
         return RandomExpr(operation.array, operands, kind or operation.kind)
@@ -132,12 +132,12 @@ def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
 
 
 def number_by(function: Callable[..., Any], *operands: Value) -> Value:
-    """Return a number computed by a function for arrays."""
+    """Return the number that an array function computes from fixed or random operands."""
     return apply(Operation(quietly(function, float), function), *operands)
 
 
 def truth_by(test: Callable[..., Any], *operands: Value) -> Value:
-    """Return the result of a test for arrays, on numbers or random values."""
+    """Return the truth value that an array function computes from fixed or random operands."""
     return apply(Operation(quietly(test, bool), test, kind="truth"), *operands)
 
 
@@ -150,7 +150,7 @@ def any_of(*truths: Value) -> Value:
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:
-    """Apply an arithmetic operation, refusing operands other than numbers (texts may be added). Raises TypeError."""
+    """Apply an arithmetic operation to numbers, or add texts. Raises TypeError for other operands."""
     kinds = {kind_of(operand) for operand in operands}
     if kinds <= {"number", "truth"}:
         return apply(operation, *(as_number(operand) for operand in operands))
@@ -160,7 +160,7 @@ def arithmetic(operation: Operation, *operands: Value) -> Value:
 
 
 def as_number(value: Value) -> Value:
-    """Return a boolean as 0 or 1, as in Python; arrays of booleans would add differently."""
+    """Convert a boolean to 0 or 1, as in Python; a sum of boolean arrays would be boolean."""
     return RandomExpr(to_integers, (value,)) if isinstance(value, RandomExpr) and value.kind == "truth" else value
 
 
@@ -181,7 +181,7 @@ def scaled(value: RandomExpr, factor: float) -> Value:
 
 
 class Table:
-    """Look up constants by a random index: the options of `Uniform(1, 5, 9)`."""
+    """The operation that looks up constants by a random index, such as the options of `Uniform(1, 5, 9)`."""
 
     def __init__(self, options: Iterable[Value]) -> None:
         options = list(options)
@@ -193,7 +193,7 @@ class Table:
 
 
 def select(index: RandomExpr, options: tuple) -> RandomExpr:
-    """Return the random choice of numbers or texts, fixed or random."""
+    """Return a random choice among numbers or texts, which may be fixed or random."""
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
     if any(isinstance(option, RandomExpr) for option in options):
@@ -202,7 +202,7 @@ def select(index: RandomExpr, options: tuple) -> RandomExpr:
 
 
 def columns_of(*values: Value) -> Iterator[ThetaColumn]:
-    """Yield the columns from which random values are computed, each once."""
+    """Yield each column on which the values depend, once."""
     seen: set[int] = set()
     stack = list(reversed(values))
     while stack:
@@ -216,7 +216,7 @@ def columns_of(*values: Value) -> Iterator[ThetaColumn]:
 
 
 class Tape:
-    """The nodes needed for some outputs, flat and in topological order, with common subexpressions merged."""
+    """The nodes on which some outputs depend: a flat list in topological order, with common subexpressions merged."""
 
     def __init__(self, outputs: Iterable[RandomExpr], columns: Iterable[ThetaColumn], limit: int) -> None:
         self.registers: list[Any] = []
@@ -233,18 +233,18 @@ class Tape:
         return self.slots[id(value)]
 
     def find(self, value: RandomExpr) -> int | None:
-        """Return the register of any value that is computed on the way to the outputs."""
+        """Return the register of a value; None if the tape does not compute the value."""
         return self._slots.get(id(value))
 
     def keep(self, *values: Value) -> None:
-        """Keep the registers of some values after a run, though they are not outputs."""
+        """Preserve the registers of some values during a run, although they are not outputs."""
         self._kept.update(self._slots[id(value)] for value in values if isinstance(value, RandomExpr))
         vars(self).pop("_schedule", None)
 
     def run(self, columns: Any) -> list[Any]:
-        """Evaluate every node for columns [D, N] (scaled); return the registers, each [N], a constant, or None.
+        """Evaluate every node for scaled columns [D, N]; return the registers, each [N], a constant, or None.
 
-        Only outputs and kept registers remain: all others are freed after their last reader.
+        Only outputs and kept registers are returned; all other registers are freed after their last use.
         """
         steps, most = self._schedule
         if steps and len(columns[0]) * most > MOST_NUMBERS:
@@ -260,7 +260,7 @@ class Tape:
 
     @cached_property
     def _schedule(self) -> tuple[list[tuple[Callable[..., Any], tuple[int, ...], int, tuple[int, ...]]], int]:
-        """Return the steps, each with the registers that it reads last; and the maximum number alive at once."""
+        """Return the steps, each with the registers to free after it, and the maximum number of live registers."""
         last = {slot: at for at, (_, inputs, out) in enumerate(self.steps) for slot in (out, *inputs)}
         dying: dict[int, list[int]] = {}
         for _, _, out in self.steps:
@@ -278,7 +278,7 @@ class Tape:
         return len(self.registers) - 1
 
     def _place(self, root: RandomExpr) -> int:
-        """Allocate registers for `root` and its inputs, inputs first (without recursion: graphs may be deep)."""
+        """Allocate registers for `root` and its inputs, inputs first; without recursion, since graphs may be deep."""
         stack = [root]
         while stack:
             node = stack[-1]

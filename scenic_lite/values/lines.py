@@ -1,4 +1,4 @@
-"""Regions without area: polylines, sets of points, grids.
+"""Regions without area: polylines, sets of points, and grids.
 
 Read next: `values.polygons`, regions of any shape.
 """
@@ -19,11 +19,11 @@ from scenic_lite.values.graph import Value, all_of, apply, number_by, truth_by
 from scenic_lite.values.operations import LESS_EQUAL, NORMALISE
 from scenic_lite.values.regions import Point2, Region, VectorField
 
-NEAR = 1e-6  # distance at which a point belongs to a polyline or a point
+NEAR = 1e-6  # maximum distance of a point that belongs to a polyline or a set of points
 
 
 class ThinRegion(Region):
-    """A region without area: a point belongs to it if it is near enough, and no object fits into it."""
+    """A region without area: it contains points within a small distance, but no object fits into it."""
 
     columns = 1
     tolerance = NEAR
@@ -36,12 +36,12 @@ class ThinRegion(Region):
 
 
 class PolylineRegion(ThinRegion):
-    """Chains of segments. Its orientation is the heading of each segment, unless another one is given."""
+    """Chains of segments. The orientation is the heading of each segment, unless another orientation is given."""
 
     dimension = 1
 
     def __init__(self, chains: Sequence[Any], orientation: VectorField | bool | None = True) -> None:
-        """Create from chains [n, 2] of two points or more. `orientation` True: along the segments; None: none."""
+        """Create from chains [n, 2] of at least two points. `orientation` True: along the segments; None: none."""
         self.chains = [np.array(chain, dtype=float) for chain in chains]
         self.starts = np.concatenate([chain[:-1] for chain in self.chains])  # [S, 2]
         self.steps = np.concatenate([np.diff(chain, axis=0) for chain in self.chains])
@@ -59,7 +59,7 @@ class PolylineRegion(ThinRegion):
         return np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
 
     def at(self, u: Any, v: Any = None) -> Any:
-        """Return x and y of the point at a share of the length."""
+        """Return x and y of the point at share `u` in [0, 1] of the length."""
         which = self._segment(u)
         left = u - (self.ends[which] - self.lengths[which] / self.length)
         return self._point_of(which, np.clip(left * self.length / np.maximum(self.lengths[which], 1e-300), 0.0, 1.0))
@@ -77,7 +77,7 @@ class PolylineRegion(ThinRegion):
         return number_by(self._heading, u) if self.own_direction else super().heading_of(point, u)
 
     def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
-        """Return the nearest segment of each point, the position along it, and the distance."""
+        """Return the nearest segment of each point, the position along the segment in [0, 1], and the distance."""
         dx, dy = np.asarray(x)[..., None] - self.starts[:, 0], np.asarray(y)[..., None] - self.starts[:, 1]
         square = np.maximum(self.lengths * self.lengths, 1e-300)
         along = np.clip((dx * self.steps[:, 0] + dy * self.steps[:, 1]) / square, 0.0, 1.0)  # [..., S]
@@ -90,7 +90,7 @@ class PolylineRegion(ThinRegion):
         return number_by(lambda x, y: self.headings[self.nearest(x, y)[0]], point.x, point.y)
 
     def signed_distance(self, point: Vector) -> Value:
-        """Return the distance, positive on the left of the nearest segment."""
+        """Return the distance, positive to the left of the nearest segment and negative to the right."""
 
         def signed(x: Any, y: Any) -> Any:
             which, _, distance = self.nearest(x, y)
@@ -105,17 +105,17 @@ class PolylineRegion(ThinRegion):
         return vector_by(lambda x, y: self._point_of(*self.nearest(x, y)[:2]), point.x, point.y)
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
-        """Return the point at this distance along the polyline (or at that share of its length)."""
+        """Return the point at a distance along the polyline; with `normalized`, at a share of its length."""
         return vector_by(lambda u: self.at(np.clip(u, 0.0, 1.0)), distance if normalized else distance / self.length)
 
     def __add__(self, other: Value) -> PolylineRegion:
-        """Return both, each part keeping its direction."""
+        """Return a polyline of both sets of chains, each with its direction."""
         if not isinstance(other, PolylineRegion):
             raise TypeError("a polyline and something else")
         return PolylineRegion([*self.chains, *other.chains])
 
     def vertices(self) -> list[Point2]:
-        """Return its points in order; a point shared by consecutive chains once."""
+        """Return the points in order; a point shared by consecutive chains appears once."""
         points: list[Point2] = []
         for chain in self.chains:
             own = [(x, y) for x, y in chain.tolist()]
@@ -131,7 +131,7 @@ class PolylineRegion(ThinRegion):
 
 
 class PointSetRegion(ThinRegion):
-    """A set of points, drawn with equal probabilities."""
+    """A set of points with equal probabilities."""
 
     dimension = 0
 
@@ -147,7 +147,7 @@ class PointSetRegion(ThinRegion):
         return [Vector(x, y) for x, y in self.points.tolist()]
 
     def at(self, u: Any, v: Any = None) -> Any:
-        """Return x and y of the point at a share of their number."""
+        """Return x and y of the point at share `u` in [0, 1) of the list of points."""
         index = np.minimum((u * len(self.points)).astype(np.int64), len(self.points) - 1)
         return self.points[index, 0], self.points[index, 1]
 
@@ -162,9 +162,9 @@ class PointSetRegion(ThinRegion):
 
 
 class GridRegion(PointSetRegion):
-    """The free cells of a grid of obstacles: a point belongs to it if the nearest grid point is free.
+    """The free cells of a grid of obstacles: the region contains a point if the nearest grid point is free.
 
-    grid [Y, X] of 0 (free) and 1 (obstacle), the lowest row first; `step` and `origin` are (x, y).
+    grid [Y, X] of 0 (free) and 1 (obstacle), with the lowest row first; `step` and `origin` are (x, y).
     """
 
     def __init__(self, grid: Any, step: Point2, origin: Point2, orientation: VectorField | None = None) -> None:
@@ -190,13 +190,13 @@ class GridRegion(PointSetRegion):
         return truth_by(self._free, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return whether the corners are free and no obstacle's grid point is in the rectangle."""
+        """Return whether all corners are free and the rectangle contains no grid point of an obstacle."""
         unobstructed = truth_by(self._unobstructed, *coordinates(corners))
         return all_of(*(self.contains(corner) for corner in corners), unobstructed)
 
     def _unobstructed(self, *numbers: Any) -> Any:
         x0, y0, x1, y1, x2, y2 = (np.asarray(number)[..., None] for number in numbers[:6])
-        heading = np.arctan2(y0 - y1, x0 - x1)  # of the front side, from left to right
+        heading = np.arctan2(y0 - y1, x0 - x1)  # direction of the front side, from left to right
         across, along = in_frame(self.obstacles[:, 0] - (x0 + x2) / 2, self.obstacles[:, 1] - (y0 + y2) / 2, heading)
         half_width, half_length = np.hypot(x0 - x1, y0 - y1) / 2, np.hypot(x1 - x2, y1 - y2) / 2
         return ~((np.abs(across) <= half_width) & (np.abs(along) <= half_length)).any(axis=-1)

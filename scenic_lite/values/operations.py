@@ -1,10 +1,10 @@
-"""The operations on numbers: one table, with all properties of an operation in its row.
+"""The operations on numbers: one table, with all properties of an operation in one row.
 
-A row gives the operation on Python's numbers (`scalar`, which raises as Python does) and on arrays [N] (`array`, which
-gives nan instead), the opcode of the virtual machine, whether it keeps integers, and where it fails. The `math` module
-of the language, the compiler's emitter and the checks of arithmetic read this table: a new operation is a row of this
-table and, if a running match computes it, a row of `dynamics.machine.opcodes` and a branch in `vm`. Read next:
-`values.graph`, which applies them.
+A row contains the operation on Python's numbers (`scalar`, which raises Python's exceptions) and on arrays [N]
+(`array`, which returns nan instead). It also contains the opcode of the virtual machine, whether the operation
+preserves integers, and the test for failures. The `math` module of the language, the compiler's emitter and the checks
+of arithmetic read this table. A new operation needs a row in this table. If a running match computes the operation, it
+also needs a row in `dynamics.machine.opcodes` and a branch in `vm`. Read next: `values.graph`, which applies them.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ import numpy as np
 from scenic_lite.values import formulas
 from scenic_lite.values.formulas import TURN
 
-KEPT, ALWAYS = "kept", "always"  # integers give an integer; always an integer
+KEPT, ALWAYS = "kept", "always"  # integer operands give an integer; the result is always an integer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Operation:
-    """One operation; operations created outside the table have only the first two fields.
+    """One operation. Operations outside the table have no opcode and no failure test.
 
     Attributes:
         scalar, array: the operation on numbers and on arrays [N].
-        name: its name; for a function of Python's module `math` the name in that module.
-        arity: the number of operands, 0 for any number.
-        opcode: the machine's opcode; "" if it has none.
-        integers: KEPT, ALWAYS or "", a fraction unless proven otherwise.
-        fails: (result, *operands), arrays [N] -> [N] where the result does not exist; None: it always exists.
+        name: the name of the operation; for a function of Python's module `math`, the name in that module.
+        arity: the number of operands; 0 means any number.
+        opcode: the opcode of the virtual machine; "" if there is none.
+        integers: KEPT, ALWAYS or ""; with "" the result counts as a fraction.
+        fails: (result, *operands), arrays [N] -> [N] bool, the rows without a result; None: a result always exists.
         kind: the kind of the result, "number", "truth", "text" or "any".
         swapped: the opcode takes the two operands in reverse order.
     """
@@ -55,7 +55,7 @@ def zero_divisor(_result: Any, _dividend: Any, divisor: Any) -> Any:
 
 
 def not_finite(result: Any, *operands: Any) -> Any:
-    """Return where finite operands give no finite result; an infinite operand is not a fault of the operation."""
+    """Return the rows in which finite operands give no finite result; infinite operands do not count."""
     mask = is_infinite(result)
     for operand in operands:
         mask = mask & ~is_infinite(operand)
@@ -63,21 +63,21 @@ def not_finite(result: Any, *operands: Any) -> Any:
 
 
 def is_infinite(values: Any) -> Any:
-    """Return where numbers are infinite or NaN; False for other values."""
+    """Return the rows in which a number is infinite or NaN; False for other kinds of values."""
     array = np.asarray(values)
     return ~np.isfinite(array) if array.dtype.kind == "f" else np.zeros(array.shape, dtype=bool)
 
 
 # ------------------------------------------------------------ implementations
 def array_power(base: Any, exponent: Any) -> Any:
-    """Return powers: an integer for integers with a fixed exponent, else a fraction, whatever the row."""
+    """Return powers: integers for integer bases with a fixed integer exponent from 0, otherwise fractions."""
     if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
         return np.power(base, exponent)
     return np.float_power(base, exponent)
 
 
 def real_power(base: Any, exponent: Any) -> Any:
-    """Return `base ** exponent`. Raises ValueError if that is not a real number, as for -2 ** 0.5."""
+    """Return `base ** exponent`. Raises ValueError if the result is not a real number, as for (-2) ** 0.5."""
     result = base**exponent
     if isinstance(result, complex):
         raise ValueError(f"({base:g}) ** {exponent:g} is not a real number")
@@ -89,7 +89,7 @@ def array_round(value: Any) -> Any:
 
 
 def to_integers(value: Any) -> Any:
-    """Truncate to int64; numbers that are not finite become the least one."""
+    """Truncate to int64; numbers that are not finite become the least int64."""
     return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
 
 
@@ -100,7 +100,7 @@ def array_select(index: Any, *options: Any) -> Any:
 
 
 def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callable[..., Any]:
-    """Return the same function on numbers; an infinite number is in no region, and causes no warning."""
+    """Return a version of an array function for numbers, without NumPy's warnings about infinite numbers."""
 
     def of_numbers(*numbers: Any) -> Any:
         with np.errstate(all="ignore"):
@@ -186,7 +186,7 @@ SECTOR_MEETS = Operation(
     "SECTOR_MEETS", kind="truth")
 # fmt: on
 
-# Functions of one number that only programs use; those that are always finite have no failure test.
+# Functions of one number that only programs call; functions that are always finite have no failure test.
 RARER = ["cbrt", "exp2", "expm1", "log1p", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh"]
 OPERATIONS = (
     *(constant for constant in list(globals().values()) if isinstance(constant, Operation)),
@@ -196,5 +196,5 @@ _ROWS: dict[Any, Operation] = {operation.array: operation for operation in OPERA
 
 
 def row_of(array: Any) -> Operation | None:
-    """Return the row of the table whose array function a node holds, if there is one."""
+    """Return the row of the table with this array function, or None."""
     return _ROWS.get(array)

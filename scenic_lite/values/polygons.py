@@ -1,8 +1,8 @@
-"""Regions of any shape, and regions made of regions: polygons, intersections, differences, unions.
+"""Regions of any shape: polygons, and intersections, differences and unions of regions.
 
-Fixed regions are combined once. Regions that differ between scenes are combined in every scene (so that a point
-drawn from the result is uniform for any sizes), by geometry if they have a shape, else by rejection. Read next:
-`values.shapes`, the geometry; `scene.pruning`.
+Fixed regions are combined once. Regions that differ between scenes are combined in every scene, so that points drawn
+from the result are uniform in each scene. The combination is geometric if the regions have shapes; otherwise points
+are rejected. Read next: `values.shapes`, the geometry; `scene.pruning`.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ from scenic_lite.values.regions import (
 )
 from scenic_lite.values.shapes import shapely
 
-MOST_CORNERS = 5000  # of one region
+MOST_CORNERS = 5000  # maximum number of corners of one region
 FEW_EDGES = 60  # up to this number plain arrays are faster than shapely at finding edges that meet a rectangle
-BLOCK = 1 << 15  # numbers in one array, to fit into the processor's cache
+BLOCK = 1 << 15  # size of one array in numbers, which fits into the processor's cache
 
 
 class PolygonalRegion(Region):
-    """A fixed polygon or several, with or without holes."""
+    """One or more fixed polygons, with or without holes."""
 
     def __init__(self, shape: Any, orientation: VectorField | None = None) -> None:
-        """Create from a valid shapely Polygon or MultiPolygon, not empty."""
+        """Create from a valid and nonempty shapely Polygon or MultiPolygon."""
         self._shape = shape
         self.orientation = orientation
 
@@ -50,12 +50,12 @@ class PolygonalRegion(Region):
 
     @cached_property
     def rings(self) -> list[Any]:
-        """Return its closed boundaries, each [n, 2]: outer ones and holes."""
+        """Return the closed boundaries, each [n, 2]: outer boundaries and holes."""
         return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(self._shape))]
 
     @cached_property
     def edges(self) -> Any:
-        """Return x, y of both ends of each edge of its boundary, [E, 4]."""
+        """Return x, y of both ends of each boundary edge, [E, 4]."""
         return np.concatenate([np.hstack([ring[:-1], ring[1:]]) for ring in self.rings])
 
     def outlines(self) -> list[Any]:
@@ -63,7 +63,7 @@ class PolygonalRegion(Region):
 
     @cached_property
     def at(self) -> Slabs:
-        """Return the map from two uniform numbers to the point."""
+        """Return the map from two uniform numbers to a point."""
         return Slabs(self.edges)
 
     @cached_property
@@ -83,7 +83,7 @@ class PolygonalRegion(Region):
         return all_of(self.contains(center), truth_by(self._clear, *coordinates(corners)))
 
     def _clear(self, *numbers: Any) -> Any:
-        """Return whether no edge of the boundary enters a rectangle, given x and y of its corners in turn: [N]."""
+        """Return whether no boundary edge enters a rectangle, [N]; the arguments are x, y, x, y, ... of its corners."""
         corners = np.stack(np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers)))  # [8, N]
         size = max(1, BLOCK // len(self.edges))
         whole = corners.reshape(8, -1)
@@ -94,26 +94,27 @@ class PolygonalRegion(Region):
 class Slabs:
     """Uniform points of a fixed shape from two uniform numbers: the first gives x, the second y.
 
-    The shape is cut at the x of every corner into S vertical slabs, in each of which it is a stack of up to K
-    trapezoids. x is the inverse of the share of the area left of it, y divides the part of the vertical line inside the
-    shape. So both grow with their numbers, and near numbers give near points except across gaps in the shape.
+    Vertical cuts at the x of every corner divide the shape into S slabs. Each slab is a stack of up to K trapezoids.
+    The first number is the share of the area to the left of x. The second number is the share of the vertical line
+    inside the shape below y. Both coordinates increase with their numbers, and nearby numbers give nearby points,
+    except across gaps in the shape.
     """
 
     def __init__(self, edges: Any) -> None:
-        """Cut closed rings that do not cross: edges [E, 4], x and y of both ends."""
+        """Cut closed rings that do not cross, given as edges [E, 4]: x and y of both ends."""
         xs = np.unique(edges[:, [0, 2]])
         x0, y0, x1, y1 = edges[edges[:, 0] != edges[:, 2]].T
-        ends = np.stack([xs[:-1], xs[1:]], axis=1)[:, None]  # of each slab, [S, 1, 2]
+        ends = np.stack([xs[:-1], xs[1:]], axis=1)[:, None]  # x limits of each slab, [S, 1, 2]
         crosses = (np.minimum(x0, x1) <= ends[..., 0]) & (np.maximum(x0, x1) >= ends[..., 1])  # [S, E]
-        heights = y0[:, None] + ((y1 - y0) / (x1 - x0))[:, None] * (ends - x0[:, None])  # of the edges there, [S, E, 2]
+        heights = y0[:, None] + ((y1 - y0) / (x1 - x0))[:, None] * (ends - x0[:, None])  # of the edges, [S, E, 2]
         order = np.argsort(np.where(crosses, heights.sum(axis=2), np.inf), axis=1, kind="stable")
-        crossed = crosses.sum(axis=1)  # each slab's edges, sorted; an even number of them
+        crossed = crosses.sum(axis=1)  # number of sorted edges in each slab, which is even
         lines = np.take_along_axis(heights, order[:, : crossed.max(), None], axis=1)
         self.start, self.width = xs[:-1], np.diff(xs)
         self.low, self.low_step = lines[:, ::2, 0], lines[:, ::2, 1] - lines[:, ::2, 0]
-        real = np.arange(0, crossed.max(), 2) < crossed[:, None]  # trapezoids that a slab has, [S, K]
+        real = np.arange(0, crossed.max(), 2) < crossed[:, None]  # existing trapezoids of each slab, [S, K]
         self.high = np.where(real[..., None], lines[:, 1::2] - lines[:, ::2], 0.0)  # left and right, [S, K, 2]
-        self.left, self.right = self.high.sum(axis=1).T  # of the whole stack, [S]
+        self.left, self.right = self.high.sum(axis=1).T  # heights of the whole stack, [S]
         areas = self.width * (self.left + self.right) / 2
         self.ends = np.cumsum(areas) / areas.sum()
         self.before = np.concatenate([[0.0], self.ends[:-1]])
@@ -126,7 +127,7 @@ class Slabs:
         root = left + np.sqrt(left * left + (right * right - left * left) * share)
         t = np.minimum(share * (left + right) / np.maximum(root, 1e-300), 1.0)
         high, at = self.high[which], t[:, None]
-        low = self.low[which] + at * self.low_step[which]  # of each trapezoid on the vertical, [N, K]
+        low = self.low[which] + at * self.low_step[which]  # lower end of each trapezoid on the vertical line, [N, K]
         height = high[..., 0] * (1 - at) + high[..., 1] * at
         ends = np.cumsum(height, axis=1)
         target = v * ends[:, -1]
@@ -137,7 +138,7 @@ class Slabs:
 
 
 def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """Return a uniform point of each shape: [N], [N], [N] -> x [N], y [N]; nan if it is empty."""
+    """Return a uniform point of each shape: [N], [N], [N] -> x [N], y [N]; nan for an empty shape."""
     shapes, u, v = np.broadcast_arrays(shapes, u, v)
     points = np.full((2, len(shapes), 1), np.nan)
     for i, shape in enumerate(shapes):
@@ -148,7 +149,7 @@ def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
 
 
 class Holds:
-    """Whether points, or rectangles, are in a fixed shape, boundaries included."""
+    """Tests whether points or rectangles are in a fixed shape, including its boundary."""
 
     def __init__(self, shape: Any) -> None:
         self.shape = shapes.widened(shape)
@@ -158,17 +159,17 @@ class Holds:
         return shapely.intersects_xy(self.shape, x, y)
 
     def rectangles(self, *numbers: Any) -> Any:
-        """Return whether rectangles are inside, given x and y of the corners in turn, [N] or scalars."""
+        """Return whether rectangles are inside; the arguments are x, y, x, y, ... of the corners, [N] or scalars."""
         corners = shapes.points_from(np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers)))
         known = np.isfinite(corners).all(axis=(-2, -1))  # undefined positions are in no shape
         return known & shapely.covers(self.shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))
 
 
 class ShapeRegion(Region):
-    """A shape that differs between scenes: random corners, or the intersection of random regions.
+    """A shape that differs between scenes, such as a polygon with random corners or an intersection of random regions.
 
-    `shape` is a node of polygons, or of polylines if `dimension` is 1. A scene in which it is empty is rejected when
-    a point is drawn from it.
+    `shape` is a node of polygons, or of polylines if `dimension` is 1. A scene that draws a point from an empty shape
+    is rejected.
     """
 
     def __init__(self, shape: RandomExpr, orientation: VectorField | None = None, dimension: int = 2) -> None:
@@ -194,7 +195,7 @@ class ShapeRegion(Region):
 
 
 def polygon_through(corners: list[Vector], orientation: VectorField | None = None) -> Region:
-    """Return the polygon with these corners. Raises ScenicError if a fixed one crosses itself or has no area."""
+    """Return the polygon with these corners. Raises ScenicError if a fixed polygon crosses itself or has no area."""
     if not all(corner.fixed for corner in corners):
         return ShapeRegion(apply(shapes.POLYGON, *coordinates(corners)), orientation)
     points = [(float(corner.x), float(corner.y)) for corner in corners]
@@ -208,10 +209,10 @@ def polygon_through(corners: list[Vector], orientation: VectorField | None = Non
 
 # ------------------------------------------------------------ combinations
 def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
-    """Return the intersection, with the orientation of `a` if it has one, else of `b`.
+    """Return the intersection, with the orientation of `a` if it has one, otherwise of `b`.
 
-    Dialect 2 draws from `b`, and rejects by `a`, if both are random rectangles, discs or sectors: so larger overlaps
-    are more likely.
+    If both are random rectangles, discs or sectors, dialect 2 draws from `b` and rejects points outside `a`. Larger
+    overlaps are then more likely.
     """
     for region, other in ((a, b), (b, a)):
         if isinstance(region, Everywhere) or isinstance(other, Nowhere):
@@ -242,12 +243,12 @@ def remainder(a: Region, b: Region) -> Region:
 
 
 def outside(region: Region, hole: Region) -> Region:
-    """Return the points of a region outside another one; other drawn points are rejected."""
+    """Return a region without the points in `hole`; draws in `hole` are rejected."""
     return Filtered(region, lambda point: apply(NOT, hole.contains(point)))
 
 
 def union(a: Region, b: Region) -> Region:
-    """Return a region uniform over the union, also if the two overlap; each part keeps its orientation."""
+    """Return the union, which is uniform even if the regions overlap; each part keeps its orientation."""
     for region, other in ((a, b), (b, a)):
         if isinstance(region, Everywhere) or isinstance(other, Nowhere):
             return region
@@ -263,12 +264,12 @@ def union_of(regions: Iterable[Region]) -> Region:
 def combined(
     operation: Operation, a: Region, b: Region, dimension: int, orientation: VectorField | None = None
 ) -> Region:
-    """Return the region of the shape that an operation makes of two shapes."""
+    """Apply an operation to the shapes of two regions and return the region of the result."""
     return region_of(apply(operation, a.shape(), b.shape()), orientation, dimension)
 
 
 def region_of(shape: Value, orientation: VectorField | None = None, dimension: int = 2) -> Region:
-    """Return the region of a shape: by its dimension if it is fixed, else by the expected one."""
+    """Return the region of a shape; `dimension` is the expected dimension of a random shape."""
     if isinstance(shape, RandomExpr):
         return ShapeRegion(shape, orientation, dimension)
     if shape.is_empty:
@@ -283,7 +284,7 @@ def region_of(shape: Value, orientation: VectorField | None = None, dimension: i
 
 
 def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
-    """Return the points of a set inside another region, or those outside."""
+    """Return the points of a set inside another region (`kept` True) or outside it."""
     inside = [other.contains(point) for point in points.vectors()]
     if any(isinstance(truth, RandomExpr) for truth in inside):
         return Filtered(points, other.contains) if kept else outside(points, other)
@@ -302,7 +303,7 @@ def meet(a: Region, b: Region) -> Value:
 
 
 def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
-    """Return whether all of `b` is in `a`, or within `tolerance` of it."""
+    """Return whether `a`, grown by `tolerance`, contains all of `b`."""
     if isinstance(a, Everywhere) or isinstance(b, Nowhere):
         return True
     if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
@@ -312,7 +313,7 @@ def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
 
 
 def grown(region: Region, by: Value) -> Region:
-    """Return the region and all points within a distance of it (for a negative one, its interior at that depth)."""
+    """Return all points within a distance of a region; a negative distance shrinks the region."""
     return region_of(apply(shapes.GROWN, region.shape(), by))
 
 
@@ -325,7 +326,7 @@ def boundary(region: Region) -> Region:
 
 
 def size_of(region: Region) -> Value:
-    """Return area, length or number of points."""
+    """Return the area, the length or the number of points of a region."""
     if isinstance(region, PointSetRegion):
         return len(region.points)
     return number_by(shapely.area if region.dimension == 2 else shapely.length, region.shape())

@@ -1,8 +1,8 @@
-"""Regions of the plane: for drawing points and containing objects; rectangles, discs and sectors.
+"""Regions of the plane, which generate points and contain objects: rectangles, discs and sectors.
 
-Every region maps two uniform numbers to a point (so a point takes two columns of θ; one on a line), and tests whether
-it contains points and rectangles. Read next: `values.lines`, regions without area; `values.polygons`, regions of any
-shape; `language.fields`.
+Every region maps two uniform numbers to a point, so a point takes two columns of θ (one column on a line). Every region
+also tests whether it contains points and rectangles.
+Read next: `values.lines`, regions without area; `values.polygons`, regions of any shape; `language.fields`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Point2 = tuple[float, float]
 
 
 class VectorField:
-    """A heading for every point, by `heading_at(vector)`. Followed in steps no longer than `longest_step`."""
+    """A heading for every point, from `heading_at(vector)`. Steps along the field are at most `longest_step` long."""
 
     def __init__(
         self, name: str, heading_at: Callable[[Vector], Value], least_steps: int = 4, longest_step: float | None = 5.0
@@ -37,11 +37,11 @@ class Region:
     """The interface of all regions."""
 
     orientation: VectorField | None = None
-    columns = 2  # of θ, for a point drawn from it
+    columns = 2  # number of columns of θ for a point drawn from the region
     dimension = 2
 
     def scales(self) -> list[tuple[float, float]]:
-        """Return offset and span of the arguments of `point`, for each column."""
+        """Return the offset and span of each argument of `point`."""
         return [(0.0, 1.0)] * self.columns
 
     def point(self, u: Value, v: Value) -> Vector:
@@ -49,26 +49,26 @@ class Region:
         raise NotImplementedError
 
     def heading_of(self, point: Vector, u: Value) -> Value:
-        """Return the orientation at a point that was drawn with `u`; None if the region has none."""
+        """Return the orientation at a point drawn with `u`; None if the region has no orientation."""
         return self.orientation.heading_at(point) if self.orientation else None
 
     def contains(self, point: Vector) -> Value:
         raise NotImplementedError
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return whether a rectangle is inside, given its corners; it may touch the boundary."""
+        """Return whether the region contains a rectangle with these corners; touching the boundary is allowed."""
         return all_of(*(self.contains(corner) for corner in corners))
 
     def distance(self, point: Vector) -> Value:
-        """Return the distance from a point, 0 inside. Raises ScenicError for an unbounded region."""
+        """Return the distance of a point from the region, 0 inside. Raises ScenicError for an unbounded region."""
         return number_by(shapes.distances, self.shape(), point.x, point.y)
 
     def shape(self) -> Value:
-        """Return its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError if it has none."""
+        """Return the shapely geometry (arcs as chords), or a node of such. Raises ScenicError if there is none."""
         raise ScenicError("unsupported", f"{type(self).__name__} cannot be combined with another region here")
 
     def bounds(self) -> tuple[float, float, float, float] | None:
-        """Return low x, high x, low y, high y; None if random or unbounded."""
+        """Return low x, high x, low y, high y; None for a random or unbounded region."""
         try:
             points = np.concatenate(self.outlines())
         except ScenicError:
@@ -77,19 +77,19 @@ class Region:
         return float(low_x), float(high_x), float(low_y), float(high_y)
 
     def outlines(self) -> list[Any]:
-        """Return its boundary as lines, each [n, 2]. Raises ScenicError if it is random or unbounded."""
+        """Return the boundary as lines, each [n, 2]. Raises ScenicError for a random or unbounded region."""
         raise ScenicError("unsupported", f"{type(self).__name__} has no fixed outline")
 
     def vertices(self) -> list[Point2] | None:
-        """Return the points of a polyline, which can be counted and iterated; None for other regions."""
+        """Return the points of a polyline, for `len` and iteration; None for other regions."""
         return None
 
     def fixed(self) -> bool:
-        """Return whether it is the same in every scene."""
+        """Return whether the region is the same in every scene."""
         return all(is_number(part) for part in self.parameters())
 
     def parameters(self) -> tuple[Value, ...]:
-        """Return its parts that may be random."""
+        """Return the parts of the region that may be random."""
         return ()
 
 
@@ -106,7 +106,7 @@ class RectangularRegion(Region):
     def scales(self) -> list[tuple[float, float]]:
         if not self.fixed():
             return [(0.0, 1.0)] * 2
-        if self.heading == 0:  # directly in the program's coordinates, which saves operations
+        if self.heading == 0:  # the columns are the coordinates themselves, which saves operations
             x, y = self.position.x, self.position.y
             return [(x - self.width / 2, self.width), (y - self.length / 2, self.length)]
         return [(-self.width / 2, self.width), (-self.length / 2, self.length)]
@@ -131,7 +131,7 @@ class RectangularRegion(Region):
 
 
 class SectorRegion(Region):
-    """A disc, or the part of one within `angle` / 2 of `heading`."""
+    """A disc, or its part within `angle` / 2 of `heading`."""
 
     def __init__(self, center: Vector, radius: Value, heading: Value = 0.0, angle: Value = TURN) -> None:
         self.center, self.radius, self.heading, self.angle = center, radius, heading, angle
@@ -140,7 +140,7 @@ class SectorRegion(Region):
         return self.center.x, self.center.y, self.radius, self.heading, self.angle
 
     def round(self) -> bool:
-        """Return whether it is known to be a whole disc."""
+        """Return whether the region is certainly a whole disc."""
         return is_number(self.angle) and self.angle >= TURN
 
     def point(self, u: Value, v: Value) -> Vector:
@@ -153,7 +153,7 @@ class SectorRegion(Region):
         return apply(IN_SECTOR, delta.x, delta.y, reach, self.heading, self.angle)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return whether a rectangle is inside, also for a sector of more than half a disc, which is not convex."""
+        """Return whether the region contains a rectangle; sectors of more than half a disc are not convex."""
         if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
             return super().contains_corners(corners)
         return truth_by(shapes.holds_shapes, self.shape(), apply(shapes.POLYGON, *coordinates(corners)))
@@ -193,9 +193,9 @@ class Nowhere(Region):
 
 
 class Filtered(Region):
-    """The points of `region` that pass a test: drawn from `region`, and scenes that fail are rejected.
+    """The points of `region` that pass a test: points are drawn from `region`, and failing scenes are rejected.
 
-    It is used for intersections and differences without a shape. Drawing adds `test` to the program's requirements.
+    Intersections and differences without a shape use it. A draw adds `test` to the program's requirements.
     """
 
     def __init__(self, region: Region, test: Callable[[Vector], Value]) -> None:
@@ -223,7 +223,7 @@ class Filtered(Region):
 def patched(
     name: str, pieces: Sequence[tuple[Region, Callable[[Vector], Value]]], default: Value = None
 ) -> VectorField:
-    """Return the field with the heading of the first piece whose region contains the point; nan outside all."""
+    """Return the field with the heading of the first piece that contains the point; outside all, `default` or nan."""
 
     def heading_at(point: Vector) -> Value:
         result = math.nan if default is None else default
@@ -238,6 +238,6 @@ def patched(
 
 
 def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
-    """Return the orientation of the first region that contains the point; None if no region has one."""
+    """Return the field with the orientation of the first region that contains the point; None without orientations."""
     pieces = [(region, region.orientation.heading_at) for region in regions if region.orientation is not None]
     return patched("Union", pieces, default) if pieces else None

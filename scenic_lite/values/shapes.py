@@ -1,6 +1,6 @@
-"""Shapes: shapely's geometries of regions, fixed or one for each of N samples.
+"""Shapes: shapely's geometries of regions, either fixed or one for each of N samples.
 
-Only this module imports shapely, when a program first needs a polygon. A shape that differs between scenes is a node
+Only this module imports shapely, at the first need for a polygon. A shape that differs between scenes is a node
 whose value is an array [N] of geometries. Read next: `values.polygons`.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, sector_rings
 from scenic_lite.values.operations import Operation
 
-COARSE = 64  # segments of a circle that differs between scenes
+COARSE = 64  # number of segments of a circle that differs between scenes
 
 
 class DeferredModule:
@@ -33,9 +33,9 @@ shapely: Any = DeferredModule("shapely")
 
 
 def shaping(build: Callable[..., Any]) -> Operation:
-    """Return an operation that creates shapes by `build` from arrays [N].
+    """Return an operation that creates shapes with `build` from arrays [N].
 
-    Shapes are empty if numbers are not finite or geometry fails.
+    A shape is empty if a number is not finite or the geometry fails.
     """
 
     def one(row: tuple) -> Any:
@@ -55,7 +55,7 @@ def shaping(build: Callable[..., Any]) -> Operation:
 
 
 def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
-    """Return [N] oriented rectangles."""
+    """Return oriented rectangles [N]."""
     x, y, heading, width, length = np.broadcast_arrays(x, y, heading, width, length)
     c, s = np.cos(heading), np.sin(heading)
     rings = [
@@ -66,23 +66,23 @@ def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
 
 
 def sectors(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
-    """Return [N] discs or parts of one; their arcs are chains of chords of equal length."""
+    """Return discs or sectors [N], whose arcs are chords of equal length."""
     return shapely.polygons(sector_rings(x, y, radius, heading, angle, COARSE))
 
 
 def polygons_of(*numbers: Any) -> Any:
-    """Return [N] polygons from the x and y of each corner in turn; empty if they cross themselves."""
+    """Return polygons [N]; the arguments are x, y, x, y, ... of the corners. Self-crossing polygons become empty."""
     made = shapely.polygons(points_from(np.broadcast_arrays(*numbers)))
     return np.where(shapely.is_valid(made), made, shapely.Polygon())
 
 
 def points_from(rows: Any) -> Any:
-    """Return points [..., K, 2] from their x and y in turn, each [...]."""
+    """Return points [..., K, 2] from a list x, y, x, y, ... of arrays [...]."""
     return np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1)
 
 
 def flat(shapes: Any) -> Any:
-    """Reduce collections of mixed dimensions to the parts of the highest one, which a uniform point falls into."""
+    """Reduce collections of mixed dimensions to the highest-dimensional parts, which contain all uniform points."""
     mixed = shapely.get_type_id(shapes) == 7
     if not np.any(mixed):
         return shapes
@@ -99,12 +99,12 @@ def distances(shape: Any, x: Any, y: Any) -> Any:
 
 
 def buffered(shape: Any, by: Any) -> Any:
-    """Return a shape and everything within a distance of it."""
+    """Return all points within a distance of a shape."""
     return shapely.buffer(shape, by, quad_segs=ARC_SEGMENTS // 4)
 
 
 def widened(shape: Any) -> Any:
-    """Return a shape together with its boundary."""
+    """Return a shape that is slightly grown, so that its boundary belongs to it."""
     return shapely.buffer(shape, CLOSENESS, join_style="mitre")
 
 
@@ -113,12 +113,12 @@ def holds_points(shape: Any, x: Any, y: Any) -> Any:
 
 
 def holds_shapes(shape: Any, other: Any) -> Any:
-    """Return whether shapes are in shapes, boundaries included."""
+    """Return whether shapes contain other shapes, including the boundary."""
     return shapely.covers(widened(shape), other)
 
 
 def moved(shape: Any, x: float, y: float) -> Any:
-    """Return a fixed shape, translated."""
+    """Return a fixed shape translated by (x, y)."""
     return shapely.transform(shape, lambda points: points + (x, y))
 
 

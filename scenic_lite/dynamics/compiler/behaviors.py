@@ -1,8 +1,7 @@
-"""Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors are inlined into their threads.
+"""Scenic's statements `take`, `wait`, `do`, `terminate` and `require`; threads contain their behaviors inline.
 
-The reference interpreter defines the meaning of each statement, and the order in which its parts are evaluated. Read
-next:
-`dynamics.compiler.compile`, which makes threads of behaviors.
+The reference interpreter defines the meaning of each statement, and the evaluation order of its parts. Read next:
+`dynamics.compiler.compile`, which compiles behaviors to threads.
 """
 
 from __future__ import annotations
@@ -34,11 +33,11 @@ from scenic_lite.language.requirements import is_temporal, probability_of, sourc
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
 
-Called = tuple[BehaviorCall, Value]  # with its weight
+Called = tuple[BehaviorCall, Value]  # a call with its weight
 
 
 def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
-    """Compile `take a, b`; a single tuple or list stands for its elements."""
+    """Compile `take a, b`; a single tuple or list is replaced by its elements."""
     actions, on = [scope.value(action) for action in node.actions], Label()
     several = actions[0] if len(actions) == 1 and is_list(actions[0], any) else actions
     number = register_of(c.code, command(c, several))
@@ -48,7 +47,7 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
 
 
 def command(c: Compilation, actions: Value) -> Value:
-    """Return the number of a command: its actions as one number, or its index in a list; -1 for none."""
+    """Return the number of a command: its packed actions, or its index in the list of commands; -1 without actions."""
     if isinstance(actions, RegisterList):
         actions = by_length(actions)
     if isinstance(actions, RandomChoice):
@@ -64,7 +63,7 @@ def command(c: Compilation, actions: Value) -> Value:
 
 
 def checked(c: Compilation, action: Value) -> Value:
-    """Return an action in the world's format, with a fault for an invalid one."""
+    """Return an action in the world's format; the code faults on an invalid action."""
     if isinstance(action, RandomChoice):
         return over_options(c, action, partial(checked, c))
     assert c.site.agent is not None, "the checker lets only behaviors take actions"
@@ -86,14 +85,14 @@ def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
 
 
 def idle(c: Compilation) -> None:
-    """Let time pass until another statement ends it."""
+    """Let time pass until another statement ends the block."""
     again = Label()
     c.code.put_loop(again)
     interrupts.suspend(c, again)
 
 
 def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> None:
-    """End a scenario or the match; in Scenic 2 always the match."""
+    """Compile `terminate`, which ends a scenario or the match; in Scenic 2 always the match."""
     word = "terminate simulation" if node.scope == "simulation" else "terminate"
     statement = f'"{word}" executed on line {node.lineno}'
     whole = node.scope == "simulation" or c.program.dialect == 2
@@ -116,7 +115,7 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
 
 
 def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """Compile `require[p] condition` in a behavior or monitor: reject the match if it is violated now."""
+    """Compile `require[p] condition` in a behavior or monitor: reject the match if the condition is now false."""
     if is_temporal(node.condition):
         require_later(c, scope, node)
         return
@@ -137,14 +136,14 @@ LATELY = {2: "(actions of this step)", 3: "lastActions"}
 
 
 def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
-    """Record the actions of the present object, for programs that read its `lastActions`."""
+    """Record the actions of the present object, if the program reads `lastActions`."""
     if c.remembering:
         assert c.site.agent is not None
         c.keep(("object", c.site.agent.label, LATELY[c.program.dialect]), actions)
 
 
 def renew(c: Compilation, agents: list[Instance]) -> None:
-    """Clear the actions of all objects when a step begins; in dialect 2 when it ends, after others have read them."""
+    """Clear the actions of all objects at the start of a step; dialect 2 publishes and clears them at its end."""
     for agent in agents:
         lately = ("object", agent.label, LATELY[c.program.dialect])
         if c.program.dialect == 2:
@@ -167,7 +166,7 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
     named = named_by_do(scope, node, "scenario" if c.site.composing else "behavior")
     calls = [(store_in_register(c.code, call), store_in_register(c.code, weight)) for call, weight in named]
     if node.how == "choose":
-        chosen = pick(c, calls, node)  # before a condition is evaluated
+        chosen = pick(c, calls, node)  # before any condition is evaluated
         run = partial(run_one_of, c, [call for call, _ in calls], node, chosen)
     elif node.how == "shuffle":
         run = partial(shuffle, c, calls, node)
@@ -181,7 +180,7 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
-    """Run a behavior, or the one that the match chooses; in a compose block scenarios."""
+    """Run a behavior, possibly chosen by the match; in a compose block, run scenarios."""
     if c.site.composing:
         run_scenarios(c, calls, node)
     elif isinstance(calls[0], BehaviorCall):
@@ -191,7 +190,7 @@ def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
 
 
 def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: int) -> None:
-    """Run the one of several whose number is in a register."""
+    """Run one of several calls, with its number in a register."""
 
     def run(number: int, call: Value) -> None:
         with c.round(node, number):
@@ -202,7 +201,7 @@ def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: i
 
 # ------------------------------------------------------------ one of several
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
-    """Compile `do shuffle`: repeatedly choose one of the remaining."""
+    """Compile `do shuffle`: repeatedly choose one of the remaining calls."""
     code = c.code
     left = code.variables.take(len(calls))
     for i in range(len(calls)):
@@ -214,7 +213,7 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
 
 
 def pick(c: Compilation, calls: list[Called], node: nodes.Do, left: int | None = None) -> int:
-    """Return a register with the number of one chosen by weight among the remaining whose guards hold now."""
+    """Return a register with the number of a call, drawn by weight among remaining calls whose guards hold now."""
     able = c.code.variables.take(len(calls))
     for i, (call, _) in enumerate(calls):
         register_of(c.code, 0, able + i)
@@ -237,7 +236,7 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
 
 
 def drawn(c: Compilation, weights: list[Value], able: int) -> int:
-    """Return a register with the index of one of the enabled, chosen by weight; a single one needs no draw."""
+    """Return a register with the index of an enabled call, drawn by weight; a single enabled call needs no draw."""
     code = c.code
     total, count, mark, share = (code.temporaries.take() for _ in range(4))
     chosen = code.variables.take()
@@ -256,7 +255,7 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> int:
     code.put(certain)
     for i, weight in enumerate(weights):
         with code.when(able + i):
-            register_of(code, i, chosen)  # the last one, in case of rounding errors
+            register_of(code, i, chosen)  # the last enabled call, in case of rounding errors
             code.row(op.SUBTRACT, mark, mark, register_of(code, weight))
             code.row(op.JUMP_LESS, mark, code.constant(0), end)
     code.put(end)

@@ -1,9 +1,9 @@
-"""Values that are one of several: an object or None, a player found in a loop, one of two texts.
+"""Choices, that is, values with several options: an object or None, a player found in a loop, one of two texts.
 
-An operation on a choice is applied to each option: directly if that costs nothing, else behind jumps, so that only the
-actual option is computed. If it fails for some options (None has no position), a match with one of these options stops
-with the program's line. This module also handles conditions: operands that are not needed are not evaluated, so a guard
-protects the operands after it, and no draw is wasted. Read next: `dynamics.compiler.lists`.
+An operation on a choice applies to each option. If an option needs code, the code is behind jumps, so that a match only
+computes the actual option. If the operation fails for some options (None has no position), a match with one of these
+options stops at the program's line. This module also compiles conditions with short circuits: a guard protects the
+operands after it, and unused operands draw nothing. Read next: `dynamics.compiler.lists`.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import AND, EQUAL, NOT, NOT_EQUAL, OR
 
-Computed = tuple[list[Row], Value]  # a value, and the rows that compute it
+Computed = tuple[list[Row], Value]  # (the rows that compute a value, the value)
 
 
 def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value], Value]) -> Value:
-    """Return `of_one` of the actual option. Raises its error if it fails for all options."""
+    """Return `of_one` of the actual option. Raises the first option's error if `of_one` fails for all options."""
     computed: dict[int, Computed] = {}
     failed: dict[int, ScenicError] = {}
     for i, option in enumerate(choice.options):
@@ -56,7 +56,7 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
 
 
 def costs_nothing(value: Value) -> bool:
-    """Return whether a value needs no computation."""
+    """Return whether a value needs no code."""
     if isinstance(value, RegisterValue) or not isinstance(value, RandomExpr | RandomChoice):
         apart = None if isinstance(value, RegisterValue) else flatten(value)
         return apart is None or all(map(costs_nothing, apart[1]))
@@ -66,7 +66,7 @@ def costs_nothing(value: Value) -> bool:
 
 
 def switch(c: Compilation, choice: RandomChoice, results: dict[int, Computed]) -> Value:
-    """Write the rows of the actual option only."""
+    """Write the rows of all results behind jumps, so that only the actual option is computed."""
     place = place_for(c.code, [value for _, value in results.values()])
     cases = {i: partial(compute_into, c, place, computed) for i, computed in results.items()}
     c.code.dispatch(register_of(c.code, choice.index), cases)
@@ -80,7 +80,7 @@ def compute_into(c: Compilation, place: Place, computed: Computed) -> None:
 
 
 def whole_choice(value: Value, c: Compilation) -> Value:
-    """Return a choice without None, with a fault if it is None in the match."""
+    """Return a choice without the option None; a match in which the value is None faults."""
     if not isinstance(value, RandomChoice) or value.options[-1] is not None:
         return value
     there = apply(NOT_EQUAL, value.index, len(value.options) - 1)
@@ -91,7 +91,7 @@ def whole_choice(value: Value, c: Compilation) -> Value:
 
 # ------------------------------------------------------------ conditions
 def truth(value: Value) -> Value:
-    """Return the truth of a value, fixed or live."""
+    """Return the truth of a fixed or live value."""
     if isinstance(value, RandomChoice):
         return choose(value.index, [truth(option) for option in value.options])
     if isinstance(value, RegisterList):
@@ -106,9 +106,9 @@ def opposite(value: Value) -> Value:
 
 
 def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: bool) -> None:
-    """Go to the target if the truth of an expression is `when`, else on."""
+    """Jump to the target if the truth of an expression is `when`; otherwise continue."""
     if isinstance(node, ast.BoolOp):
-        if isinstance(node.op, ast.And) != when:  # any operand decides
+        if isinstance(node.op, ast.And) != when:  # every operand can decide the jump
             for operand in node.values:
                 jump_on(c, scope, operand, target, when)
             return
@@ -131,7 +131,7 @@ def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: b
 
 @contextmanager
 def branch(c: Compilation, scope: Scope, condition: ast.expr, when: bool = True) -> Iterator[None]:
-    """Execute the rows written inside if the truth of a condition is `when`."""
+    """Execute the rows written inside the context only if the truth of a condition is `when`."""
     otherwise = Label()
     jump_on(c, scope, condition, otherwise, not when)
     yield
@@ -139,12 +139,12 @@ def branch(c: Compilation, scope: Scope, condition: ast.expr, when: bool = True)
 
 
 def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
-    """Return the value of `and`, `or`: the operand that decides, or the last one."""
+    """Return the value of `and` or `or`: the first deciding operand, or the last operand."""
     return in_turn(c, isinstance(node.op, ast.And), [partial(scope.value, operand) for operand in node.values])
 
 
 def in_turn(c: Compilation, is_and: bool, operands: list[Callable[[], Value]]) -> Value:
-    """Return the first operand that decides, or the last one; the operands after it are not evaluated."""
+    """Return the first deciding operand, or the last operand; operands after it are not evaluated."""
     value = operands[0]()
     for evaluate in operands[1:]:
         known = truth(value)
@@ -181,7 +181,7 @@ def conditional(c: Compilation, scope: Scope, node: ast.IfExp) -> Value:
 
 
 def either(c: Compilation, test: Value, yes: Computed, no: Computed) -> Value:
-    """Return yes if the test holds, else no; each with the rows that compute it."""
+    """Return `yes` if the test holds, otherwise `no`; execute only the rows of the returned value."""
     otherwise, end = Label(), Label()
     jump(c.code, materialize(c.code, test), otherwise, when=False)
     place = place_for(c.code, [yes[1], no[1]])
@@ -214,13 +214,13 @@ def same_thing(left: Value, right: Value) -> Value:
 
 
 def numbered(choice: RandomChoice, things: list[Value]) -> Value:
-    """Return the index of the chosen value in a list."""
+    """Return the index of the chosen option in `things`."""
     places = [next(i for i, thing in enumerate(things) if thing is option) for option in choice.options]
     return renumbered(choice.index, places)
 
 
 def in_steps(c: Compilation, duration: Value, unit: str | None) -> Value:
-    """Return the number of steps of a duration in steps or in seconds."""
+    """Convert a duration in steps or in seconds to a number of steps."""
     if isinstance(duration, RandomChoice | RegisterList) or not isinstance(duration, int | float | RandomExpr):
         raise ScenicError("type", f"a duration is a number, not {describe_kind(duration)}")
     return duration if unit == "steps" else duration / c.world.timestep

@@ -1,7 +1,7 @@
-"""The assembler: rows with labels, registers for constants, inputs, variables and intermediate results.
+"""The assembler: rows with labels, and registers for constants, inputs, variables and intermediate results.
 
-Registers are numbered by area during compilation, and placed side by side at the end: constants, inputs, the world and
-the threads' variables keep their values, intermediate results are shared by all. Read next:
+Registers are numbered by area during compilation; the final layout makes the areas adjacent. Constants, inputs, the
+world and the threads' variables keep their values. All threads share the registers of intermediate results. Read next:
 `dynamics.compiler.emit`, which turns nodes into rows.
 """
 
@@ -22,13 +22,13 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
-LABEL = -1  # in place of an opcode: marks the label of this row
-AREA = 1 << 24  # registers are numbered by area until they are placed side by side
+LABEL = -1  # pseudo-opcode of a row that only marks a label
+AREA = 1 << 24  # size of an area's range of register numbers, until the final layout
 FIXED, CONSTANTS, INPUTS, VARIABLES, TEMPORARIES = (area * AREA for area in range(5))
 
 
 class Label:
-    """A row to jump to, known when the code is laid out."""
+    """The target row of a jump; its index is known in the final layout."""
 
     __slots__ = ("row", "used")
 
@@ -38,7 +38,7 @@ class Label:
 
 
 class Operands(NamedTuple):
-    """A list of operands."""
+    """The operands of an opcode that takes a list."""
 
     registers: tuple[int, ...]
 
@@ -54,7 +54,7 @@ class Row(NamedTuple):
 
 
 class RuntimeDraw(ThetaColumn):
-    """A draw at run time, with the interface of distributions; `register` holds its value."""
+    """A draw at run time, with the interface of a column of θ; `register` holds the value."""
 
     __slots__ = ("register",)
 
@@ -83,21 +83,21 @@ class Area:
 
 @dataclass
 class Assembler:
-    """The rows written so far, and the state for the next ones."""
+    """The rows written so far, and the state for further rows."""
 
     rows: list[Row] = field(default_factory=list)
     reachable: bool = True  # whether control can reach the next row
-    place: SourceSpan | None = None  # of the statement that is being compiled
-    called: SourceSpan | None = None  # as in `Row`
+    place: SourceSpan | None = None  # place of the statement that is being compiled
+    called: SourceSpan | None = None  # see `Row`
     variables: Area = field(default_factory=lambda: Area(VARIABLES))
     temporaries: Area = field(default_factory=lambda: Area(TEMPORARIES))
     constants: dict[float, int] = field(default_factory=dict)
-    inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # by the node's id
-    initial: dict[int, float] = field(default_factory=dict)  # registers that a match starts with
+    inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # node id -> (register, node)
+    initial: dict[int, float] = field(default_factory=dict)  # register -> value at the start of a match
     texts: dict[str, int] = field(default_factory=dict)
-    register_names: dict[int, str] = field(default_factory=dict)  # of registers: readable names
+    register_names: dict[int, str] = field(default_factory=dict)  # register -> readable name
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
-    known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way here, by id
+    known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes already computed here, by id
 
     # ------------------------------------------------------------ rows
 
@@ -121,18 +121,18 @@ class Assembler:
             self.reachable = False
 
     def put(self, label: Label) -> None:
-        """Put a label here; control may come from wherever it is used."""
+        """Put a label at the next row, for jumps from earlier rows."""
         self.rows.append(Row(LABEL, 0, 0, label, self.place))
         self.reachable = self.reachable or label.used
         self.known.clear()
 
     def put_reachable(self, label: Label) -> None:
-        """Put a label here to which a slot leads."""
+        """Put a label at the next row, which a slot can reach."""
         label.used = self.reachable = True
         self.put(label)
 
     def put_loop(self, label: Label) -> None:
-        """Put a label here that only later rows will use."""
+        """Put a label at the next row, for jumps from later rows only."""
         self.rows.append(Row(LABEL, 0, 0, label, self.place))
         self.known.clear()
 
@@ -141,14 +141,14 @@ class Assembler:
 
     @contextmanager
     def when(self, register: int) -> Iterator[None]:
-        """Execute the rows written inside the context if the register is not 0."""
+        """Execute the rows written inside the context only if the register is not 0."""
         otherwise = Label()
         self.row(op.JUMP_UNLESS, register, c=otherwise)
         yield
         self.put(otherwise)
 
     def dispatch(self, register: int, cases: Mapping[int, Callable[[], object]]) -> None:
-        """Write the rows of each case; the register selects the case."""
+        """Write the rows of all cases; the register selects the case that is executed."""
         end = Label()
         for number, write in cases.items():
             following = Label()
@@ -161,9 +161,9 @@ class Assembler:
 
     @contextmanager
     def rounds(self, stop: int, start: int | None = None, step: int = 1) -> Iterator[tuple[RegisterValue, Label]]:
-        """Repeat the rows written inside the context for the numbers from one register up or down to another.
+        """Repeat the rows written inside the context for all numbers from register `start` to register `stop`.
 
-        The label begins the next round. Without `start` the numbers are the indices of a list, which is never too long.
+        The label begins the next iteration. Without `start`, the numbers are list indices, and need no loop limit.
         """
         counter, again, following, over = RegisterValue(self.variables.take(), whole=True), Label(), Label(), Label()
         now = counter.register
@@ -178,7 +178,7 @@ class Assembler:
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:
-        """Collect the rows written inside the context separately."""
+        """Collect the rows written inside the context in a separate list."""
         inside: list[Row] = []
         outside, known, reachable = self.rows, dict(self.known), self.reachable
         self.rows = inside
@@ -193,7 +193,7 @@ class Assembler:
     # ------------------------------------------------------------ registers
 
     def constant(self, value: float | bool | str) -> int:
-        """Return the register of a constant; a text is its number in `texts`."""
+        """Return the register of a constant; a text is represented by its number in `texts`."""
         number = float(self.text(value)) if isinstance(value, str) else float(value)
         key = number if number != 0 else 0.0
         if number != number:
@@ -206,13 +206,13 @@ class Assembler:
         return self.texts.setdefault(value, len(self.texts))
 
     def input(self, node: RandomExpr) -> int:
-        """Return the register of a value that is constant in a match: it is computed when the match starts."""
+        """Return the register of a value that is constant in a match and computed at its start."""
         if id(node) not in self.inputs:
             self.inputs[id(node)] = (INPUTS + len(self.inputs), node)
         return self.inputs[id(node)][0]
 
     def begin_with(self, register: int, value: Any) -> None:
-        """Set the initial value of a register: a fixed value, or one from the scene."""
+        """Set the initial value of a register to a fixed value or a value from the scene."""
         if isinstance(value, RandomExpr):
             self.inputs[-register] = (register, value)
         else:
@@ -220,7 +220,7 @@ class Assembler:
 
     @contextmanager
     def statement(self) -> Iterator[None]:
-        """Free the intermediate results of a statement after it."""
+        """Free the intermediate results of a statement at its end."""
         used = self.temporaries.used
         self.known.clear()
         try:

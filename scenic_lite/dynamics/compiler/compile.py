@@ -1,21 +1,21 @@
-"""Compile the behaviors, monitors, endings and scenarios of a program into code for the virtual machine.
+"""Compile the behaviors, monitors, end conditions and scenarios of a program to code for the virtual machine.
 
 The main idea: **the compiler is the static evaluator, run with registers as leaves of its expression graph.** The code
 that creates scenes also evaluates `distance from self to ball` for the compiler. The only difference is that `self.x`
 is a register of the running match, so the graph becomes rows of the machine instead of columns of a scene. Arithmetic,
-specifiers, operators and geometry are therefore implemented once. Only these have separate code:
+specifiers, operators and geometry are therefore implemented once. Only the following parts have separate code:
 
     statements, by jumps                                `statements`, `behaviors`, `interrupts`
-    values that are one of several, conditions          `choices`, `expressions`
-    lists whose length the match decides                `lists`
-    variables, by the type that they are assigned       `types`, `registers`
+    values with several options, conditions             `choices`, `expressions`
+    lists whose length depends on the match             `lists`
+    variables, by the type of their values              `types`, `registers`
     operations of the graph, one row each               `emit`
     nested scenarios                                    `scenarios`, `watchers`
     threads                                             below
     the arrays of a finished program                    `layout`
 
-Behaviors and functions are inlined where they are called. A loop `best = None; for o in ...: best = o` reads a variable
-before the compiler knows all of its types: if a type changes after it was used, another pass over the program follows.
+Behaviors and functions are inlined at their calls. A loop `best = None; for o in ...: best = o` reads a variable before
+the compiler has seen all of its types. If a type changes after its use, another pass over the program follows.
 Read next: `dynamics.compiler.statements`, the simplest part; `dynamics.machine.compiled`, which runs a match.
 """
 
@@ -60,7 +60,7 @@ MAX_PASSES = 12
 
 
 def compile_program(program: Program, world: World) -> Compiled:
-    """Return the code of a program in a world. Raises ScenicError, with its place, for code that cannot be compiled."""
+    """Compile a program for a world. Raises ScenicError, with the place in the program, for unsupported code."""
     types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
     for _ in range(MAX_PASSES):
@@ -76,7 +76,7 @@ def compile_program(program: Program, world: World) -> Compiled:
 
 @contextmanager
 def live_objects(c: Compilation) -> Iterator[None]:
-    """Give objects live properties inside the context; afterwards objects and variables are as they were loaded."""
+    """Allow live properties of objects inside the context; restore the loaded objects and variables afterwards."""
     instances = list(c.program.instances)
     loaded = [(instance.properties, instance.attributes) for instance in instances]
     for instance in instances:
@@ -93,7 +93,7 @@ def live_objects(c: Compilation) -> Iterator[None]:
 
 
 def compile_mode(c: Compilation) -> Mode:
-    """Return the mode of the compiler; the state that statements create belongs to the pass."""
+    """Return the mode of the compiler, with a separate state for the statements of this pass."""
     loaded = c.program.mode
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
     own |= {kind: partial(dictionary, loaded.handlers.expressions[kind]) for kind in (ast.Dict, ast.DictComp)}
@@ -117,7 +117,7 @@ def compile_mode(c: Compilation) -> Mode:
 
 
 def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Name) -> Value:
-    """Return the value of a name; a match in which it has no value yet stops."""
+    """Return the value of a name; a match in which the name has no value yet stops."""
     at: Environment | None = scope
     while at is not None and node.id not in at.locals and not (isinstance(at, CompiledScope) and node.id in at.unset):
         at = at.outer
@@ -127,7 +127,7 @@ def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Na
 
 
 def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
-    """Return a number from the match's stream, drawn at the present point of the program."""
+    """Write a draw from the match's random stream at the present point of the program."""
     code = c.code
     register = code.temporaries.take()
     code.row(op.DRAW, register, code.constant(offset), code.constant(span))
@@ -135,7 +135,7 @@ def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: floa
 
 
 def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
-    """Return a point in a behavior; objects are created before the match."""
+    """Create a point in a behavior; Objects must be created before the match."""
     cls = scope.value(node.cls)
     if isinstance(cls, ScenicClass) and cls.derives_from(OBJECT):
         if c.site.setting_up:
@@ -149,10 +149,10 @@ def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
 def with_location(
     compilation: Compilation, handler: Callable[[Compilation, CompiledScope, Any], None]
 ) -> Callable[[CompiledScope, Any], None]:
-    """Return a handler of statements that records the place of the rows it writes.
+    """Return a statement handler that records the place of its rows.
 
-    A statement that cannot be executed in its present form (an unknown name, a moving region) stops a match that
-    reaches it, as in the reference; unsupported code is refused with the whole program.
+    A statement with an error (an unknown name, a moving region) stops a match that reaches it, as in the reference
+    interpreter. A program with unsupported code is rejected as a whole.
     """
 
     def handle(scope: CompiledScope, node: ast.stmt) -> None:
@@ -168,7 +168,7 @@ def with_location(
                 raise
             error = compilation.seen_from_calls(error)
             inner = [error for error in compilation.output.diagnostics[known:] if error.kind != "warning"]
-            if inner and not code.reachable:  # unreachable: an earlier call already failed
+            if inner and not code.reachable:  # unreachable, since an earlier call has failed
                 error = inner[0]
             else:
                 compilation.output.diagnostics.append(error)
@@ -187,11 +187,11 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 
 # ------------------------------------------------------------ the threads of a match
 def compile_pass(c: Compilation) -> list[Thread]:
-    """Compile everything once; return the threads."""
+    """Compile the whole program once and return the threads."""
     code = c.code
-    code.row(op.END, code.fixed.take())  # row 0: the entry of a thread that has ended
+    code.row(op.END, code.fixed.take())  # row 0 is the entry of a thread that has ended
     show_world(c)
-    for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that the program is known to set
+    for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that earlier passes saw assigned
         c.table_of(key)[key[2]] = c.shared_variable(key).load()
     main = main_part(c)
     agents = [Thread(f"{instance.title()}: its behavior", 0, agent=instance) for instance in c.program.instances]
@@ -216,13 +216,13 @@ def compile_pass(c: Compilation) -> list[Thread]:
     last = [each for each in c.output.records if each.when == "final"]
     c.output.records = [each for each in c.output.records if each.when != "final"]
     write_routines(c, main)
-    c.output.records += last  # of records with one name, the program's own takes precedence
+    c.output.records += last  # among records with one name, the program's own takes precedence
     c.output.counts = (len(scenarios), len(behaviors), len(records), len(monitors))
     return [*scenarios, *behaviors, *records, *monitors, *ends]
 
 
 def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
-    """Check first the guards of the main scenario, of behaviors and of monitors; record the time limit."""
+    """Write the start of a match: check the guards of the main scenario, behaviors and monitors; set the time limit."""
     with c.within(main):
         if main.scope is not None:
             check_guards(c, main.scope)
@@ -234,7 +234,7 @@ def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
 
 
 def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> list[Thread]:
-    """Return the threads of the objects, in their order."""
+    """Return the threads of the objects, in the order of the objects."""
     threads: list[Thread] = []
     movers = [mover.agent for mover in agents if mover.agent and (mover.call or mover.agent.label in c.overrides)]
     if c.remembering and c.program.dialect == 3:
@@ -256,7 +256,7 @@ def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread
 
 
 def write_overridden(c: Compilation, thread: Thread, overrides: list[Thread], main: ScenarioInstance) -> None:
-    """Write the thread of an object whose behavior changes: it resumes the object's present behavior."""
+    """Write the thread of an object whose behavior can change; the thread resumes the present behavior."""
     code, agent, call = c.code, thread.agent, thread.call
     assert agent is not None
     register = register_of(code, c.shared_variable(("object", agent.label, BEHAVIOR)).load())
@@ -275,19 +275,19 @@ def write_overridden(c: Compilation, thread: Thread, overrides: list[Thread], ma
 
 
 def end_all(c: Compilation, main: ScenarioInstance) -> None:
-    """Write the end of a match: unsatisfied requirements, and final records."""
+    """Write the end of a match: check for unsatisfied requirements, and take final records."""
     if main.temporal or main.parts:
         main.call_stop(c.code)
     record(c, main, "final")
 
 
 def write_routines(c: Compilation, main: ScenarioInstance) -> None:
-    """Write the end of each scenario, and the step of its temporal requirements at the beginning of its step."""
+    """Write the `stop` routine of each scenario, and insert its temporal requirements at the start of its step."""
     code = c.code
     for part in main.family():
         code.place = None if part.call is None else part.call.place
         code.reachable = True
-        code.temporaries.used = code.temporaries.most  # intermediate results of callers are preserved
+        code.temporaries.used = code.temporaries.most  # do not overwrite intermediate results of callers
         with c.within(part):
             with code.captured() as rows:
                 see_steps(c, part)
@@ -302,7 +302,7 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
 
 # ------------------------------------------------------------ the state of a match
 def show_world(c: Compilation) -> None:
-    """Give the objects their live properties and `simulation()` its value."""
+    """Set the live properties of the objects and the value of `simulation()`."""
     world, program, code = c.world, c.program, c.code
     c.remembering = any(
         "lastActions" in line for source in program.mode.state.sources.values() for line in source.lines
@@ -326,7 +326,7 @@ def show_world(c: Compilation) -> None:
     for i, name in enumerate(world.facts):
         code.register_names[c.shown.facts + i] = name
     c.shown.names = frozenset(names)
-    if not c.simulation.names:  # once: the world has the same registers in every pass, and variables hold parts of it
+    if not c.simulation.names:  # once: all passes use the same registers, and variables hold parts of the world
         c.simulation.names.update(world.simulation(list(program.instances), dict(facts)).names)
         c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
 
@@ -340,7 +340,7 @@ def every(
     once: bool = False,
     needed: bool = False,
 ) -> None:
-    """Write a thread that runs from its beginning in every step, or once; none if it would be empty."""
+    """Write a thread that runs from its start in every step, or only once; an empty thread is omitted unless needed."""
     code, first = c.code, len(c.code.rows)
     thread = Thread(title, code.fixed.take())
     begin(c, thread)
@@ -358,7 +358,7 @@ def every(
 
 
 def begin(c: Compilation, thread: Thread) -> None:
-    """Begin a thread here; its variables are its own."""
+    """Begin a thread at the next row, with separate variables."""
     code = c.code
     code.variables.used = code.variables.most
     code.place = None

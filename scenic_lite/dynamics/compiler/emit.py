@@ -1,7 +1,7 @@
 """From nodes to rows: each operation of the evaluator's graph becomes an opcode.
 
-A node that does not depend on the running match is an input: it is computed once, with the scene. The exception is a
-node that can fail, as 1 / x of a column x: it must fail when and where the match reaches it. Read next:
+A node that does not depend on the running match is an input, which is computed once, with the scene. A node that can
+fail, such as 1 / x for a column x, is an exception: it must fail at its point in the match. Read next:
 `dynamics.compiler.types`, the types of variables.
 """
 
@@ -26,7 +26,7 @@ from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, appl
 from scenic_lite.values.operations import Operation, row_of
 from scenic_lite.values.polygons import Holds
 
-# Operations that give -0.0 for registers, but 0 for Python's integers.
+# Operations with the result -0.0 for registers, but 0 for Python's integers.
 MINUS_ZEROS = (operations.MULTIPLY, operations.MODULO, operations.NEGATE)
 
 
@@ -38,9 +38,9 @@ COMPUTED = "write it with what can: arithmetic, sqrt, exp, log, sin, cos, atan2,
 
 
 def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
-    """Return the register of a number, truth value or text; the rows that compute it are written first.
+    """Write the rows that compute a number, truth value or text; return its register.
 
-    With `into` the value is put there.
+    With `into`, that register receives the value.
     """
     if isinstance(value, RandomExpr):
         register = _register(code, value, into)
@@ -69,7 +69,7 @@ def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
 
 
 def is_live(value: Value) -> bool:
-    """Return whether a value is computed in the running match, not when it starts."""
+    """Return whether a value is computed in the running match, not at its start."""
     if isinstance(value, RegisterValue | RuntimeDraw):
         return True
     if not isinstance(value, RandomExpr):
@@ -86,7 +86,7 @@ def is_live(value: Value) -> bool:
 
 
 def can_fail(node: RandomExpr) -> bool:
-    """Return whether arithmetic on computed operands has a step that fails for some numbers."""
+    """Return whether the computation of a node has an operation that fails for some numbers."""
     pending: list[Value] = [node]
     seen = set()
     while pending:
@@ -105,19 +105,19 @@ def can_fail(node: RandomExpr) -> bool:
 
 
 def _harmless(row: Operation, operand: Value) -> bool:
-    """Return whether division by this, or a power with this exponent, never fails."""
+    """Return whether division by the operand, or a power with this exponent, never fails."""
     if isinstance(operand, RandomExpr):
         return False
     return operand >= 0 and operand == int(operand) if row.opcode == "POWER" else operand != 0
 
 
 def table_row(operation: Any) -> Operation | None:
-    """Return the row of an operation in the table, if the table has it and it has no special form."""
+    """Return the table row of an operation, or None."""
     return row_of(operation) if type(operation).__hash__ is not None else None
 
 
 def is_test(row: Operation) -> bool:
-    """Return whether the opcode takes a list of operands."""
+    """Return whether the opcode of an operation takes a list of operands."""
     return OPCODES[opcode_of(row)].operands.endswith("l")
 
 
@@ -146,7 +146,7 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def of_scene(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows that read a value computed with the scene; a fault if it is not a finite number."""
+    """Write rows that read a value computed with the scene; a match in which it is not finite faults."""
     register_of(code, RegisterValue(code.input(node)), out)
     fault_unless_finite(code, out, FAULT_MESSAGES[DOMAIN_ERROR])
 
@@ -164,7 +164,7 @@ def _is(operation: Any, kind: Any) -> bool:
 
 
 def describe(operation: Any) -> str:
-    """Return the name of an operation, for a message."""
+    """Return the name of an operation for messages."""
     name = operation.__name__ if isinstance(operation, np.ufunc | FunctionType) else type(operation).__name__
     return name.strip("_").replace("_", " ")
 
@@ -185,7 +185,7 @@ def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows that test whether a point is in a fixed polygon, whose edges are operands."""
+    """Write rows that test whether a point is in a fixed polygon; the edges are operands."""
     import shapely
 
     assert isinstance(node.operation, Holds)
@@ -201,7 +201,7 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int], object]:
-    """Return a function that writes the rows of an operation composed of others."""
+    """Return a function that writes the rows of an operation that is an expression of other operations."""
     return lambda code, node, out: register_of(code, expression(*node.inputs), out)
 
 
@@ -222,7 +222,7 @@ SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] 
 
 
 def is_whole(value: Value) -> bool:
-    """Return whether a number is an integer in Python: it is written without a decimal point."""
+    """Return whether a number is an integer in Python, whose text has no decimal point."""
     if isinstance(value, RegisterValue):
         return value.whole
     if not isinstance(value, RandomExpr):
@@ -244,7 +244,7 @@ def is_whole(value: Value) -> bool:
 
 # ------------------------------------------------------------ jumps
 
-JUMPS: dict[int, tuple[int, int]] = {  # by the test otherwise computed: the jumps if it holds, and if not
+JUMPS: dict[int, tuple[int, int]] = {  # opcode of a test -> opcodes of the jumps if it holds, and if it fails
     op.LESS: (op.JUMP_LESS, op.JUMP_NOT_LESS),
     op.LESS_EQUAL: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL),
     op.EQUAL: (op.JUMP_EQUAL, op.JUMP_NOT_EQUAL),
@@ -253,7 +253,7 @@ JUMPS: dict[int, tuple[int, int]] = {  # by the test otherwise computed: the jum
 
 
 def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
-    """Go to the target if the truth of `test` is `when`."""
+    """Jump to the target if the truth of `test` is `when`."""
     if not isinstance(test, RandomExpr):
         if bool(test) == when:
             code.row(op.JUMP, c=target)

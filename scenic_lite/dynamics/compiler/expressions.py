@@ -1,7 +1,7 @@
-"""Expressions: those of the evaluator, also on choices and lists of the match; functions of the program are inlined.
+"""Expressions: the evaluator's, extended to choices and to lists of the match; program functions are inlined.
 
-Only operations on values that are one of several, or on lists whose length the match decides, have code in this
-module; the evaluator handles all others. Read next: `dynamics.compiler.statements`.
+This module only implements operations on values with several options, and on lists whose length depends on the match.
+The evaluator handles all other operations. Read next: `dynamics.compiler.statements`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from scenic_lite.values.operations import ADD, LESS
 
 
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
-    """Apply one of the evaluator's functions to the actual option, or to a list of the actual length."""
+    """Apply a function of the evaluator to the actual option of a choice, or to a list of its actual length."""
     before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
     over = over_lengths if isinstance(value, RegisterList) else choices.over_options
     return over(c, value, lambda option: function(*before, option, *after, **keywords))
@@ -50,7 +50,7 @@ def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
 
 
 def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
-    """Return `container[index]`, with a fault if there is no such element."""
+    """Return `container[index]`; a match without such an element faults."""
     if isinstance(container, RandomChoice):
         return choices.over_options(c, container, lambda option: item(c, scope, option, index))
     if isinstance(index, RandomChoice):
@@ -72,7 +72,7 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
         raise ScenicError("value", "list index out of range")
     length = items.length if isinstance(items, RegisterList) else len(items)
     place = from_start(c.code, index, length)
-    if isinstance(items, RegisterList) or all(element is items[0] for element in items):  # all options are equal
+    if isinstance(items, RegisterList) or all(element is items[0] for element in items):  # or all options are equal
         inside = c.code.temporaries.take()
         c.code.row(op.IS_INDEX, inside, register_of(c.code, place), register_of(c.code, length))
         c.code.fault_unless(inside, "list index out of range")
@@ -80,7 +80,7 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
 
 
 def from_start(code: Assembler, index: Value, length: Value) -> Value:
-    """Return an index counted from the start of the list: a negative one counts from its end."""
+    """Convert an index to an index from the start of the list; a negative index counts from the end."""
     if isinstance(index, int):
         return index if index >= 0 else materialize(code, apply(ADD, length, index))
     index = materialize(code, index)
@@ -90,7 +90,7 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
 
 # ------------------------------------------------------------ texts, operators, comparisons
 def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
-    """Return a value in an f-string; a fraction has other formats than an integer."""
+    """Return the text of a value in an f-string; fractions and integers have different formats."""
     value, spec = scope.value(node.value), "" if node.format_spec is None else scope.value(node.format_spec)
     if kind_of(value) == "number" and not is_whole(value):
         format(0.5, spec)  # raises ValueError for an invalid format
@@ -98,7 +98,7 @@ def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
 
 
 def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value:
-    """Return the value of an operator of Scenic; operands may be choices."""
+    """Return the value of a Scenic operator, whose operands may be choices."""
     operation = OPERATORS.get(node.name)
     if operation is None:
         raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
@@ -116,7 +116,7 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
 
 
 def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
-    """Return the truth of a chain of comparisons; the links after one that fails are not evaluated."""
+    """Return the truth of a chain of comparisons; evaluation stops at the first false comparison."""
     sides = [materialize(c.code, scope.value(node.left))]
 
     def next_link(sign: ast.cmpop, operand: ast.expr) -> Value:
@@ -140,7 +140,7 @@ def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left:
 
 
 def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
-    """Return a possible dictionary; an error if its keys are not the same in all matches."""
+    """Evaluate a node; the keys of a dictionary must not depend on the match."""
     return certain(handler(scope, node))
 
 
@@ -186,7 +186,7 @@ CHANGING = frozenset({"append", "extend", "remove", "pop", "clear", "reverse", "
 
 
 def refuse_method(method: Bound, arguments: list) -> None:
-    """Raise the error for methods that change a container, or look up live values in a dictionary."""
+    """Raise ScenicError for methods that change a container, or look up a live value in a dictionary."""
     if not isinstance(method.receiver, list | dict) or not isinstance(method.function, Builtin):
         return
     name, kind = method.function.name, "list" if isinstance(method.receiver, list) else "dictionary"
@@ -197,14 +197,14 @@ def refuse_method(method: Bound, arguments: list) -> None:
 
 
 def certain(value: Value) -> Value:
-    """Return a dictionary if its keys are the same in all matches. Raises ScenicError."""
+    """Return a value. Raises ScenicError for a dictionary whose keys differ between matches."""
     if isinstance(value, dict) and any(map(undecided, value)):
         raise refused("a dictionary whose keys the match decides", "write a list: [ ... ]")
     return value
 
 
 def undecided(value: Value) -> bool:
-    """Return whether equality with a value may differ between matches: never for a behavior or an undrawn value."""
+    """Return whether equality with a value may depend on the match: never for a behavior or an undrawn value."""
     if isinstance(value, BehaviorCall | ThetaColumn):
         return False
     if isinstance(value, list | tuple):
@@ -227,7 +227,7 @@ def inlined(
 
 
 def value_of_call(c: Compilation, function: Function, names: dict[str, Value]) -> Value:
-    """Return the value of a call, which is compiled again while the types it relied on change; this is cheap."""
+    """Return the value of a call; the call is compiled again while the types that it reads change, which is cheap."""
     code, path, diagnostics = c.code, c.site.path, len(c.output.diagnostics)
     rows, known, reachable = len(code.rows), dict(code.known), code.reachable
     used = code.variables.used, code.temporaries.used
@@ -241,7 +241,7 @@ def value_of_call(c: Compilation, function: Function, names: dict[str, Value]) -
 
 
 def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> CompiledScope:
-    """Return the variables of a function at its start."""
+    """Return the scope of a function at its start."""
     body = InlinedBody(c.site.path, Label())
     inner = CompiledScope(c, function.scope.source, names, function.scope, body)
     inner.assigned = function.assigned
@@ -249,7 +249,7 @@ def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> Com
 
 
 def result_of(inner: CompiledScope, function: Function) -> Value:
-    """Write the body of a function and return its value."""
+    """Compile the body of a function and return its value."""
     if isinstance(function.body, ast.expr):
         return inner.value(function.body)
     try:

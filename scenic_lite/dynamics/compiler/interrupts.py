@@ -1,10 +1,10 @@
 """The passing of time in a behavior: guards, `try / interrupt`, `do ... until`, `do ... for`; each block has a slot.
 
-A block's slot is the row where it resumes, 0 while it is not running. Entering a statement clears the slots of its
-handlers and sets the slot of the enclosing block to a scan, so the outermost scan runs first after time has passed.
-The scan checks the handlers from the last to the first and resumes one that is running or whose condition is true,
-otherwise the body. A handler that ends clears its slot and scans again in the same step. Read next:
-`dynamics.compiler.watchers`.
+The slot of a block holds the row at which the block resumes, or 0 while the block is not running. The entry of a
+statement clears the slots of its handlers and sets the slot of the enclosing block to a scan. The outermost scan thus
+runs first after time has passed. The scan checks the handlers from last to first, and resumes the first handler that is
+running or whose condition is true, otherwise the body. A handler that ends clears its slot and scans again in the same
+step. Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from scenic_lite.syntax import nodes
 
 
 class Handler(NamedTuple):
-    """An interrupt of a body: the writer of rows that jump when it occurs, and its block; without one the body ends."""
+    """An interrupt of a body: `ask` writes rows that jump if it occurs; a `block` of None ends the statement."""
 
     ask: Callable[[Label], None]
     block: list[ast.stmt] | None = None
 
 
 def suspend(c: Compilation, on: Label) -> None:
-    """Let time pass and resume at a label. A compose block lets the step of its scenario go on."""
+    """Let time pass and resume at a label. In a compose block, the step of the scenario continues."""
     if c.site.part is not None and c.site.composing:
         c.code.row(op.SET_SLOT, c.site.slot, c=on)
         c.code.row(op.JUMP, c=c.site.part.after)
@@ -42,7 +42,7 @@ def suspend(c: Compilation, on: Label) -> None:
 
 
 def pause(c: Compilation) -> None:
-    """Let time pass once."""
+    """Let one step pass."""
     on = Label()
     suspend(c, on)
     c.code.put(on)
@@ -50,7 +50,7 @@ def pause(c: Compilation) -> None:
 
 # ------------------------------------------------------------ behaviors and their guards
 def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
-    """Return the variables of a behavior at its start."""
+    """Return the scope of a behavior at its start."""
     behavior = call.behavior
     names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.site.agent}
     scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, InlinedBody(c.site.path, Label(), behavior))
@@ -67,7 +67,7 @@ def check_guards(c: Compilation, scope: CompiledScope) -> None:
 
 
 def check_invariants(c: Compilation, scope: CompiledScope) -> None:
-    """Check the invariants whenever a thread resumes after time has passed."""
+    """Check the invariants of a behavior; required at its start and after time has passed."""
     behavior = scope.inlined.behavior
     if behavior is not None:
         check(c, scope, "invariant", behavior.node.invariants)
@@ -87,7 +87,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
 
 
 def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler], run: Callable[[], None]) -> None:
-    """Compile a body with some handlers, of which the last takes precedence."""
+    """Compile a body with handlers; the last handler takes precedence."""
     code, begun, before = c.code, c.scenarios_begun(), set(scope.unset)
     body = code.variables.take(1 + len(handlers))
     begin, scan, end = Label(), Label(), Label()
@@ -122,13 +122,13 @@ def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler],
 
 
 def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
-    """Go to a handler if its condition holds."""
+    """Jump to a handler if its condition holds."""
     c.code.place = scope.place(condition)
     jump_on(c, scope, condition, start, when=True)
 
 
 def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: Label) -> None:
-    """Write rows that enter a statement, up to the scan itself; after time has passed invariants come first."""
+    """Write rows that enter a statement, up to the scan; after time has passed, invariants are checked first."""
     code, behavior = c.code, scope.inlined.behavior
     resumed = Label() if behavior is not None and behavior.node.invariants else scan
     code.row(op.SET_SLOT, body, c=begin)
@@ -141,12 +141,12 @@ def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: L
 
 
 def limited(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait, run: Callable[[], None]) -> None:
-    """Compile a body with a limit, checked before it begins and whenever it would be resumed."""
+    """Compile a body with a limit, which is checked before the body begins and before each resumption."""
     interruptible(c, scope, [Handler(limit_of(c, scope, node))], run)
 
 
 def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Callable[[Label], None]:
-    """Return a writer of rows that jump when a `do` or `wait` is over."""
+    """Return a function that writes rows that jump if a `do` or `wait` is over."""
     if node.until is not None:
         return partial(jump_on, c, scope, node.until, when=True)
     assert node.duration is not None

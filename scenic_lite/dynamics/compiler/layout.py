@@ -1,4 +1,4 @@
-"""The last step of the compiler: final numbers for rows and registers.
+"""The last step of the compiler, which assigns final numbers to rows and registers.
 
 Read next: `dynamics.machine.compiled`.
 """
@@ -54,12 +54,12 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
 
 
 def number_of(program: Program, thread: Thread) -> int:
-    """Return the number of the object that a thread moves, -1 if none."""
+    """Return the number of the object that a thread controls, or -1."""
     return -1 if thread.agent is None else program.instances.index(thread.agent)
 
 
 def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
-    """Return the arrays that kernels read."""
+    """Return the code as arrays for kernels."""
     program = c.program
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
@@ -79,7 +79,7 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
 
 
 def start_of(c: Compilation, layout: Layout) -> np.ndarray:
-    """Return the initial registers [R] of a match, except those that its scene provides."""
+    """Return the initial registers [R] of a match, without the values from its scene."""
     code, start = c.code, np.zeros(layout.count)
     for value, register in code.constants.items():
         start[layout(register)] = value
@@ -92,7 +92,7 @@ def start_of(c: Compilation, layout: Layout) -> np.ndarray:
 
 
 def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
-    """Return the readable names of rows and registers."""
+    """Return the names that make rows and registers readable."""
     nowhere = SourceSpan(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
     names = {layout(register): note for register, note in c.code.register_names.items()}
@@ -130,7 +130,7 @@ class Layout:
 
 
 def placed(rows: list[Row]) -> list[Row]:
-    """Return the rows without the labels, whose rows are now known."""
+    """Remove the label rows, and set the row index of each label."""
     real = [row for row in rows if row.opcode != LABEL]
     at = 0
     for row in rows:

@@ -1,8 +1,8 @@
-"""Lists while a match runs: filters, loops, indices, `in`, `append`, and the built-in functions of lists.
+"""Lists in a running match: filters, loops, indices, `in`, `append`, and the built-in functions of lists.
 
-A fixed list is Python's own list of values. A list that is filtered or grown during a match is in registers, with its
-length in the first; it can be read and iterated, but not sliced, concatenated or compared. All iteration uses `rounds`:
-one body for many objects and for a list in registers, else one body for each element. Read next:
+A fixed list is a Python list of values. A list that a match filters or extends is in registers, with its length in the
+first register. Such a list can be read and iterated, but not sliced, concatenated or compared. All iteration uses
+`rounds`: one shared body for many objects or for a list in registers, otherwise one body for each element. Read next:
 `dynamics.compiler.expressions`.
 """
 
@@ -30,13 +30,13 @@ from scenic_lite.evaluation.access import unpack
 from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
 from scenic_lite.values.operations import AND, LESS, NEGATE, OR
 
-MANY = 8  # objects: a loop over this many shares the same rows
+MANY = 8  # minimum number of objects for which a loop shares one body
 DECIDED = "whose length the match decides"
 
 
 @dataclass(frozen=True, eq=False)
 class LiveRange:
-    """`range` whose ends may be live; the step is fixed."""
+    """A `range` with a fixed step whose ends may be live."""
 
     start: Value
     stop: Value
@@ -63,7 +63,7 @@ def is_list(value: Value, of: Callable[[Iterable], bool] = all) -> bool:
 
 
 def one_list(c: Compilation, value: Value) -> Value:
-    """Return a choice of lists as one, in registers if their lengths differ; any other value unchanged."""
+    """Convert a choice of lists to one list, in registers if the lengths differ; return other values unchanged."""
     if not isinstance(value, RandomChoice) or not is_list(value):
         return value
     length, items = parts_of_list(value)
@@ -71,12 +71,12 @@ def one_list(c: Compilation, value: Value) -> Value:
 
 
 def by_length(items: RegisterList) -> Value:
-    """Return a list as a choice of lists of fixed lengths, all that it may have."""
+    """Convert a list to a choice of lists of fixed lengths, one for each possible length."""
     return choose(items.length, [[*map(items.at, range(length))] for length in range(items.type.capacity + 1)])
 
 
 def over_lengths(c: Compilation, items: Value, of_one: Callable[[Value], Value]) -> Value:
-    """Return `of_one` of a list of the actual length. Raises ScenicError if the longest cannot be handled."""
+    """Return `of_one` of a list of the actual length. Raises ScenicError if it fails for the maximum length."""
     choice = by_length(items)
     with c.code.captured():
         try:
@@ -88,7 +88,7 @@ def over_lengths(c: Compilation, items: Value, of_one: Callable[[Value], Value])
 
 
 def in_registers(code: Assembler, items: Value, more: Value = None, capacity: int = 0) -> RegisterList:
-    """Return a copy of any list in registers, with room for another element if one is given."""
+    """Copy any list to registers; `more` is a further element that the list must be able to hold."""
     parts = parts_of_list(items)[1]
     own = items.type if isinstance(items, RegisterList) else ListType(common_type(parts), len(parts))
     element = own.element if more is None else join(own.element, type_of(more))
@@ -103,7 +103,7 @@ def are_objects(items: Value) -> bool:
 
 
 def many(items: Value) -> bool:
-    """Return whether there are so many objects that a loop over them should share one body."""
+    """Return whether a loop over these objects should share one body."""
     return are_objects(items) and len(items) >= MANY
 
 
@@ -111,7 +111,7 @@ def many(items: Value) -> bool:
 def loop(
     code: Assembler, items: LiveRange | RegisterList | list | tuple
 ) -> Iterator[tuple[Value, RegisterValue, Label]]:
-    """Repeat the rows written inside the context for each element; yield its index, and the next round's label."""
+    """Repeat the rows inside the context for each element; yield it, its index and the next iteration's label."""
     if isinstance(items, LiveRange):
         stop = register_of(code, items.stop, code.variables.take())
         with code.rounds(stop, register_of(code, items.start), items.step) as (counter, following):
@@ -123,7 +123,7 @@ def loop(
 
 
 def rounds(code: Assembler, items: RegisterList | list) -> Iterator[tuple[Value, Value, Label]]:
-    """Yield elements, with their indices and the labels of the next rounds: rows written meanwhile are for them."""
+    """Yield each element, its index and the next iteration's label; the caller writes the rows of the element."""
     if isinstance(items, RegisterList) or many(items):
         with loop(code, items) as whole:
             yield whole
@@ -136,7 +136,7 @@ def rounds(code: Assembler, items: RegisterList | list) -> Iterator[tuple[Value,
 
 # ------------------------------------------------------------ comprehensions
 def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.GeneratorExp) -> Value:
-    """Return a list: fixed if its sources and tests are, else in registers."""
+    """Return a list, fixed if the sources and tests are fixed, otherwise in registers."""
     with c.code.captured() as rows:
         fixed = fixed_elements(c, scope, node.generators, node.elt)
     if fixed is not None:
@@ -170,7 +170,7 @@ def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.
 
 
 def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Value, following: Label) -> Scope:
-    """Return the scope of one round; the rows that follow are reached if the tests hold."""
+    """Return the scope of one iteration; rows after the tests run only if all tests hold."""
     inner = scope.inner({})
     unpack(inner, generator.target, item)
     for test in generator.ifs:
@@ -201,7 +201,7 @@ def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element
 
 # ------------------------------------------------------------ elements
 def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value) -> Value:
-    """Return an element that is known to exist."""
+    """Return an element at an index within the list."""
     if not isinstance(items, RegisterList):
         return items[index] if isinstance(index, int) else choose(index, items)
     if isinstance(index, int):
@@ -227,7 +227,7 @@ def appended(c: Compilation, items: Value, item: Value) -> Value:
 
 
 def put_item(code: Assembler, items: RegisterList, item: Value, checked: bool = True) -> None:
-    """Append an element in place; with `checked` a fault if there is no room."""
+    """Append an element in place; with `checked`, a match in which the list is full faults."""
     (element, capacity), length = (items.type.element, items.type.capacity), items.registers[0]
     assert element is not None
     if checked:
@@ -254,7 +254,7 @@ def to_range(c: Compilation, scope: Scope, node: ast.AST, *ends: Value) -> Value
 
 
 def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: Value) -> Value:
-    """Return `any`, `all` of truths that may be live."""
+    """Return `any` or `all` of truth values that may be live."""
     if not isinstance(values, list | tuple):
         return NotImplemented
     return reduce(partial(apply, OR if decisive else AND), map(truth, values), not decisive)
@@ -263,7 +263,7 @@ def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: 
 def extreme(
     least: bool, c: Compilation, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...
 ) -> Value:
-    """Return `min`, `max` with a key, or of a list in registers: the first of equal ones."""
+    """Return `min` or `max` with a key, or of a list in registers; the first of equal elements."""
     code, number = c.code, partial(number_of, c, scope, node, key)
     items = one_list(c, values[0]) if len(values) == 1 else values
     if not isinstance(items, RegisterList):
@@ -281,7 +281,7 @@ def extreme(
 
 
 def place_of_extreme(code: Assembler, items: Value, number: Callable[[Value], Value], least: bool) -> RegisterValue:
-    """Return the index of the first element whose number is the least, or the greatest."""
+    """Return the index of the first element with the least, or the greatest, number."""
     best = RegisterValue(code.variables.take())
     chosen = RegisterValue(code.variables.take(), whole=True)
     for item, place, following in rounds(code, items):
@@ -297,7 +297,7 @@ def place_of_extreme(code: Assembler, items: Value, number: Callable[[Value], Va
 
 
 def number_of(c: Compilation, scope: Scope, node: ast.AST, key: Value, item: Value) -> Value:
-    """Return the number by which an element is compared."""
+    """Return the number that represents an element in comparisons."""
     number = item if key is None else scope.call(key, [item], {}, node)
     if isinstance(number, RegisterList) or kind_of(number) not in ("number", "truth"):
         what = f"in a match elements are compared by numbers, not by {describe_kind(number)}"
@@ -308,7 +308,7 @@ def number_of(c: Compilation, scope: Scope, node: ast.AST, key: Value, item: Val
 def in_order(
     c: Compilation, scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False
 ) -> Value:
-    """Return `sorted` by live keys: a list in registers."""
+    """Return `sorted` with live keys, as a list in registers."""
     code = c.code
     if isinstance(reverse, RandomExpr):
         raise refused("whether a list is sorted in reverse must be fixed in a match", "")
@@ -330,7 +330,7 @@ def in_order(
 
 
 def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
-    """Return the elements in the order of some indices."""
+    """Return the elements in the order of the indices in registers from `order` on."""
     ordered = Place(code, items.type, code.variables).load()
     register_of(code, items.length, ordered.registers[0])
     place, value = code.temporaries.take(), code.temporaries.take()
@@ -342,7 +342,7 @@ def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
     return ordered
 
 
-# With the arguments of the evaluator's functions of these names, which take over if one returns NotImplemented.
+# The arguments are those of the evaluator's functions; after NotImplemented, the evaluator's function is called.
 FUNCTIONS: dict[str, Callable[..., Value]] = {
     "len": lambda c, scope, node, value: value.length if isinstance(value, RegisterList) else NotImplemented,
     "range": to_range,

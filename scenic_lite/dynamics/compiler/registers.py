@@ -1,4 +1,4 @@
-"""Values in registers and back: simultaneous moves, registers of values, variables with their types.
+"""Values to registers and back: simultaneous moves, registers of values, and typed variables.
 
 Read next: `dynamics.compiler.compilation`.
 """
@@ -35,11 +35,11 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, Value, apply, select
 from scenic_lite.values.operations import ADD
 
-Move = tuple[int, Value]  # a register, and the number, truth value or text for it
+Move = tuple[int, Value]  # (register, the number, truth value or text to store)
 
 
 def moves_to(type: Type, registers: Iterator[int], value: Value) -> Iterator[Move]:
-    """Yield the moves after which some registers hold a value that fits the type."""
+    """Yield the moves that store a value of the type in the registers."""
     if isinstance(type, Scalar):
         yield next(registers), value
     elif isinstance(type, Struct):
@@ -77,7 +77,7 @@ def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterato
 
 
 def unnested(choice: RandomChoice) -> RandomChoice:
-    """Return a choice whose options are not choices."""
+    """Flatten a choice, so that no option is a choice."""
     if not any(isinstance(option, RandomChoice) for option in choice.options):
         return choice
     options: list[Value] = []
@@ -109,21 +109,21 @@ def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[M
 
 
 def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
-    """Return the length of a list and all elements that it may have; for a choice of lists, of the actual one."""
+    """Return the length and all possible elements of a list, or of the actual list of a choice of lists."""
     if isinstance(value, RegisterList):
         return value.length, [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
     if not isinstance(value, RandomChoice):
         return len(value), list(value)
     lengths, lists = zip(*map(parts_of_list, value.options), strict=True)
     places = range(max(map(len, lists)))
-    there = [next(own[i] for own in lists if i < len(own)) for i in places]  # beyond a shorter list nothing is read
+    there = [next(own[i] for own in lists if i < len(own)) for i in places]  # never read after a list's end
     elements = [choose(value.index, [own[i] if i < len(own) else there[i] for own in lists]) for i in places]
     return lengths[0] if all(length is lengths[0] for length in lengths) else choose(value.index, lengths), elements
 
 
 # ------------------------------------------------------------ moving
 def store(code: Assembler, moves: list[Move]) -> None:
-    """Move all values into their registers, as if simultaneously."""
+    """Move all values into their registers, with the effect of simultaneous moves."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
     if len(moves) == 1 or targets.isdisjoint(leaf.register for _, value in moves for leaf in leaves(value)):
@@ -159,14 +159,14 @@ class Place:
 
 
 def place_for(code: Assembler, values: list[Value]) -> Place:
-    """Return registers for the actual one of some values."""
+    """Return registers that can hold any of the values."""
     common = common_type(values)
     assert common is not None
     return Place(code, common, code.variables)
 
 
 def store_in_register(code: Assembler, value: Value) -> Value:
-    """Return a value whose varying parts are copied into registers that last."""
+    """Copy the varying parts of a value into permanent registers."""
     if not varies(value):
         return value
     place = Place(code, type_of(value), code.variables)
@@ -175,9 +175,9 @@ def store_in_register(code: Assembler, value: Value) -> Value:
 
 
 def materialize(code: Assembler, value: Value, area: Area | None = None) -> Value:
-    """Return a value whose parts are computed now, so that reading it does not compute them again.
+    """Compute the parts of a value now, so that later reads do not compute them again.
 
-    The results last until the statement ends; with an `area` as long as that lasts.
+    The results are valid until the end of the statement, or with `area` for the lifetime of that area.
     """
     if isinstance(value, RegisterValue | RegisterList):
         read = value.registers if isinstance(value, RegisterList) else (value.register,)
@@ -192,15 +192,15 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
 # ------------------------------------------------------------ variables
 @dataclass
 class TypeTable:
-    """The types of all variables by their keys, as found by the passes over a program so far."""
+    """The types of all variables by key, as found in the passes so far."""
 
     types: dict[tuple, Type] = field(default_factory=dict)
-    read: set[tuple] = field(default_factory=set)  # in this pass
-    changed_types: set[tuple] = field(default_factory=set)  # read in this pass and widened afterwards
-    marked: set[tuple] = field(default_factory=set)  # a register tells whether the match has assigned it
+    read: set[tuple] = field(default_factory=set)  # keys read in this pass
+    changed_types: set[tuple] = field(default_factory=set)  # keys read in this pass whose types changed afterwards
+    marked: set[tuple] = field(default_factory=set)  # keys with a register that records the assignment
 
     def declare(self, key: tuple, type: Type) -> bool:
-        """Record that a variable can hold this; return whether its type has changed."""
+        """Extend the type of a variable by `type`; return whether its type has changed."""
         before = self.types.get(key)
         after = join(before, type)
         if after == before:
@@ -212,7 +212,7 @@ class TypeTable:
         return True
 
     def settle(self, path: tuple) -> bool:
-        """Return whether the rows inlined here must be compiled again; they are then discarded."""
+        """Return whether the inlined body must be compiled again; if so, forget its reads and type changes."""
         own = {key for key in self.changed_types if key[: len(path)] == path}
         if own:
             self.changed_types -= own

@@ -1,10 +1,11 @@
-"""Scenarios in a match: every `do` of a compose block creates parts, which begin, take steps, and end.
+"""Scenarios in a match: every `do` of a compose block creates inner scenarios, which begin, take steps, and end.
 
-`tests/reference/scenarios.py` defines the meaning. The whole tree of scenarios is one thread: the program's own takes a
-step, its compose block resumes at its slot, and so do the parts that it runs. When time passes in a compose block, it
-stores where to resume and jumps to the end of its scenario's step. A routine ends a scenario from any place. Objects
-and statements that a setup creates belong to its scenario; some of them are also allowed in a compose block. Read next:
-`dynamics.compiler.watchers`.
+`tests/reference/scenarios.py` defines the semantics. The whole tree of scenarios is one thread. The program's own
+scenario takes a step, and its compose block resumes at its slot; the inner scenarios do the same. When time passes in a
+compose block, it stores its resumption row and jumps to the end of its scenario's step. A routine can end a scenario
+from any place. Objects and statements that a setup creates belong to its scenario. A compose block may also contain
+some of these statements.
+Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -45,12 +46,12 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Scenario)
-BEHAVIOR = "(number of its behavior)"  # of an object: 0 its initial behavior, then those that scenarios give it
-NOBODY = -1  # no behavior
+BEHAVIOR = "(number of its behavior)"  # per object: 0 for its initial behavior, then behaviors from scenarios
+NOBODY = -1  # the number for no behavior
 
 
 def main_part(c: Compilation) -> ScenarioInstance:
-    """Return the program as a scenario: the result of loading it, with the variables of its setup."""
+    """Return the loaded program as a scenario, with the variables of its setup."""
     program, code, main = c.program, c.code, c.program.main
     part = ScenarioInstance(code, None, main)
     part.ego = c.state.ego
@@ -74,11 +75,11 @@ def main_part(c: Compilation) -> ScenarioInstance:
 
 # ------------------------------------------------------------ `do` of scenarios
 def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
-    """Begin all named scenarios, one after the other, then let each take steps until all have ended."""
+    """Begin all named scenarios in order; then let each take steps until all have ended."""
     code = c.code
     parts: list[ScenarioInstance] = []
     for call in calls:
-        if isinstance(call, RandomChoice):  # the one that the match chooses
+        if isinstance(call, RandomChoice):  # the match chooses one of the options
             cases = {i: partial(begin, c, option, node, parts) for i, option in enumerate(call.options)}
             code.dispatch(register_of(code, call.index), cases)
         else:
@@ -97,7 +98,7 @@ def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
 
 
 def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[ScenarioInstance]) -> None:
-    """Write rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
+    """Write rows that check the guards of a scenario, execute its setup, and start its time limit and its monitors."""
     code, parent = c.code, c.site.part
     assert parent is not None
     with c.round(node, len(parent.parts)), c.entered(call.behavior, node, call.place):
@@ -110,7 +111,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
         check_guards(c, part.scope)
         with c.within(part, setting_up=True):
             part.scope.run(call.behavior.scenario.setup)
-            while c.state.monitors:  # in Scenic 2 a definition starts its monitor
+            while c.state.monitors:  # in Scenic 2, a definition starts its monitor
                 add_monitor(c, part, c.state.monitors.pop(0))
         register_of(code, 1, part.running)
         if call.behavior.scenario.acts:
@@ -128,7 +129,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
 
 
 def show_names(part: ScenarioInstance) -> None:
-    """Make the variables of a scenario readable as its attributes."""
+    """Provide the variables of a scenario as its attributes."""
     assert part.call is not None
     part.call.names.clear()
     part.call.names.update(part.scope.locals)
@@ -136,7 +137,7 @@ def show_names(part: ScenarioInstance) -> None:
 
 # ------------------------------------------------------------ a step, and the end
 def step(c: Compilation, part: ScenarioInstance) -> None:
-    """Write one step of a scenario: its requirements, its time limit, its compose block, its conditions."""
+    """Write one step of a scenario: its requirements, time limit, compose block and conditions."""
     code, done = c.code, Label()
     if part.parent is not None:
         code.row(op.JUMP_UNLESS, part.running, c=done)
@@ -165,14 +166,14 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
-    """End a scenario by itself; the end of the program's own is that of the match."""
+    """Write rows that end a scenario; the end of the program's own scenario ends the match."""
     if part.parent is None:
         register_of(c.code, RegisterValue(c.reason(f"scenarioComplete: {reason}")), COMPLETE)
     c.code.row(op.JUMP, c=part.over)
 
 
 def compose(c: Compilation, part: ScenarioInstance) -> None:
-    """Resume the compose block. Without one, guards are checked while time passes."""
+    """Write the compose block and its resumption; without a compose block, check the guards while time passes."""
     code, scope = c.code, part.scope
     assert part.call is not None
     node = part.call.behavior.scenario
@@ -186,12 +187,12 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     else:
         pause(c)
         check_invariants(c, scope)
-        code.row(op.JUMP, c=part.after)  # the next step resumes at the same place
+        code.row(op.JUMP, c=part.after)  # the next step resumes at the same row
     code.put(part.after)
 
 
 def watched_names(part: ScenarioInstance, node: nodes.Scenario) -> frozenset[str]:
-    """Return the variables that a compose block assigns and that monitors of the scenario may read."""
+    """Return the variables that a compose block assigns and that the scenario's monitors may read."""
     loops = [part for tree in node.compose for part in ast.walk(tree) if isinstance(part, ast.For)]
     changed = names_in(*(loop.target for loop in loops)) | assigned_names(*node.compose)
     watching: list[ast.AST] = [item.watched.tree for item in (*part.terminations, *part.records)]
@@ -204,7 +205,7 @@ def names_in(*trees: ast.AST) -> frozenset[str]:
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
-    """Take final records, stop inner scenarios, restore overridden properties, reject for violated requirements."""
+    """Write the `stop` routine: final records, end of inner scenarios, reset of overrides, violated requirements."""
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
@@ -224,7 +225,7 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
 
 # ------------------------------------------------------------ statements of a setup
 def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
-    """Return the scenario that owns what a statement creates. Raises ScenicError if it may run never or twice."""
+    """Return the scenario that owns a statement's results. Raises ScenicError unless it certainly runs once."""
     where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
     if uncertain:
         raise ScenicError("unsupported", f"no match can make this in a {where}", hint=f"write it before the {where}")
@@ -235,7 +236,7 @@ def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
 def watch(
     c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter | nodes.Record
 ) -> None:
-    """Let the scenario monitor a condition, a time limit or a value."""
+    """Add a condition, a time limit or a record to the scenario."""
     part = own_part(c, scope)
     if isinstance(node, nodes.Record):
         keep_record(scope, node)
@@ -247,7 +248,7 @@ def watch(
 
 
 def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMonitor) -> None:
-    """Start a monitor with the scenario, or at once if that is running."""
+    """Start a monitor together with its scenario, or immediately if the scenario is running."""
     keep_monitor(scope, node)
     thread = add_monitor(c, own_part(c, scope), with_own_arguments(c, c.state.monitors.pop()))
     if not c.site.setting_up:
@@ -255,7 +256,7 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
 
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
-    """Return a behavior or monitor whose arguments keep their present values."""
+    """Return a call of a behavior or monitor whose arguments keep their present values."""
     return replace(call, arguments={name: store_in_register(c.code, value) for name, value in call.arguments.items()})
 
 
@@ -285,7 +286,7 @@ def check_first(c: Compilation, thread: Thread) -> None:
 
 # ------------------------------------------------------------ override
 def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
-    """Compile `override object with p v, ...`, until the scenario ends."""
+    """Compile `override object with p v, ...`, which holds until the end of the scenario."""
     target = scope.value(node.target)
     if isinstance(target, RandomChoice):
         raise ScenicError("unsupported", "`override` of an object that the match chooses")
@@ -299,7 +300,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
 
 
 def set_until_end(c: Compilation, key: Key, value: Value) -> None:
-    """Override an object's property until the scenario ends, which restores the previous value."""
+    """Override an object's property; the end of the scenario restores the previous value."""
     part, code, done = c.site.part, c.code, Label()
     assert part is not None
     if key not in part.overridden:
@@ -314,7 +315,7 @@ def set_until_end(c: Compilation, key: Key, value: Value) -> None:
 
 
 def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
-    """Override an object's behavior by one or several; a register holds the index of the current one."""
+    """Override an object's behavior by one or several; a register holds the number of the present behavior."""
     numbers, cases = [], {}
     known = c.overrides.setdefault(target.label, [])
     for i, call in enumerate(value.options if isinstance(value, RandomChoice) else (value,)):
@@ -338,7 +339,7 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 
 # ------------------------------------------------------------ temporal requirements
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """Create a temporal requirement during the match: its scenario monitors it from the next step on."""
+    """Create a temporal requirement during the match; its scenario monitors it from the next step on."""
     part, own = own_part(c, scope), with_present_names(c, scope, node)
     watched = EpisodeStatement(node, scope.place(node), own, node.name or source_text(scope, node))
     state = part.register(c.code, -1)

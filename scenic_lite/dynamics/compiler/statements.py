@@ -1,7 +1,7 @@
 """Python's statements: assignments, branches, loops, `return`, `assert`.
 
-Fixed values are decided by the compiler: a branch on `self.team == "right"` leaves one side, a loop over a fixed list
-is unrolled. Live values become jumps. Read next: `dynamics.compiler.behaviors`.
+The compiler resolves fixed values: of a branch on `self.team == "right"` only one side remains, and a loop over a fixed
+list is unrolled. Live values become jumps. Read next: `dynamics.compiler.behaviors`.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
         scope.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
         parts = spread(scope, target, elements(c, scope, value, target))
-        parts = [store_in_register(c.code, value) for value in parts]  # `a, b = b, a`
+        parts = [store_in_register(c.code, value) for value in parts]  # copies, for `a, b = b, a`
         for element, part in zip(target.elts, parts, strict=True):
             bind(c, scope, element, part)
     elif isinstance(target, ast.Attribute):
@@ -87,7 +87,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
 
 
 def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) -> None:
-    """Handle `ego = ...` in the setup of a scenario started by a match: it lasts as long as the scenario."""
+    """Handle `ego = ...` in the setup of a scenario during a match; it holds until the end of the scenario."""
     if target.id not in TRACKED:
         return
     part = c.site.part
@@ -99,7 +99,7 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
 
 
 def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
-    """Compile `items.append(x)` if `items` is a variable or an attribute; return whether it is."""
+    """Compile `items.append(x)` if `items` is a variable or an attribute; return whether the call has this form."""
     function = node.func
     if not (isinstance(function, ast.Attribute) and function.attr == "append" and len(node.args) == 1):
         return False
@@ -116,7 +116,7 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
 
 # ------------------------------------------------------------ attributes
 def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
-    """Compile `owner.name = value`: all behaviors of the match see it."""
+    """Compile `owner.name = value`, which is visible to all behaviors of the match."""
     name = target.attr
     if owner is c.simulation:
         if name != "scenic_reward":
@@ -144,7 +144,7 @@ def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
         reachable = c.code.reachable
     c.code.reachable = True
     live = no.used and reachable
-    if live:  # before the test: a side that assigns a variable may not be reached
+    if live:  # before the test, since a side that assigns a variable may not run
         scope.pin(assigned_names(*node.body, *node.orelse))
     c.code.rows.extend(rows)
     c.code.reachable = reachable
@@ -187,7 +187,7 @@ def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
 
 
 def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
-    """Compile a loop: one body for numbers, for a list of the match and for many objects, else one for each element."""
+    """Compile a loop: a shared body for numbers, a list of the match or many objects, else one body per element."""
     items = one_list(c, scope.value(node.iter))
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
@@ -209,7 +209,7 @@ def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
 
 
 def needs_one_object(node: ast.For) -> bool:
-    """Return whether the body of a loop can only be compiled for a known object."""
+    """Return whether the body of a loop can be compiled only for a known object."""
     names = {part.id for part in ast.walk(node.target) if isinstance(part, ast.Name)}
 
     def of_one(part: ast.AST) -> bool:
@@ -221,7 +221,7 @@ def needs_one_object(node: ast.For) -> bool:
 
 
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
-    """Compile a loop over a fixed list: every round has its own rows, in which the element is known."""
+    """Compile a loop over a fixed list; every iteration has separate rows with a known element."""
     code = c.code
     keep = store_in_register if suspends(*node.body) else materialize
     items = [keep(code, item) for item in items]
@@ -243,14 +243,14 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
 
 
 def leave_round(c: Compilation, scope: CompiledScope, node: ast.Break | ast.Continue) -> None:
-    """Compile `break` and `continue`, which end the scenarios begun in the round."""
+    """Compile `break` and `continue`, which end the scenarios that the iteration has begun."""
     around = scope.inlined.loops[-1]
     c.stop_scenarios(around.parts)
     c.code.row(op.JUMP, c=around.exit if isinstance(node, ast.Break) else around.again)
 
 
 def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
-    """End a behavior; return the value of a function, in registers if it has several returns."""
+    """Compile `return`, from a behavior or from a function; registers hold the value if there are several returns."""
     inlined = scope.inlined
     if inlined.behavior is not None:
         c.code.row(op.JUMP, c=inlined.end)
@@ -278,7 +278,7 @@ def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
 # ------------------------------------------------------------ assigned variables
 @lru_cache(maxsize=4096)
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
-    """Return the variables that some statements assign, except loop targets, which the loop handles."""
+    """Return the variables that some statements assign, except loop targets, which the loop itself assigns."""
     names: set[str] = set()
     for node in walk_own(*trees):
         if isinstance(node, ast.Assign):

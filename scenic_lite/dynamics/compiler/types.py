@@ -1,9 +1,9 @@
 """Types: the part of a variable's value that is known before a match, and the number of registers for the rest.
 
-A variable has one type, determined by the program's assignments: `Const` is one fixed value and needs no register,
-`Scalar` a number, truth value or text, `Struct` a composite such as a vector, tuple or region, `ListType` a list of
-varying length, `OneOf` one of several values, such as an object or None. Read next: `dynamics.compiler.registers`,
-which stores values by their types.
+Every variable has one type, which the program's assignments determine. `Const` is one fixed value and needs no
+register. `Scalar` is a number, truth value or text. `Struct` is a composite such as a vector, tuple or region.
+`ListType` is a list of varying length. `OneOf` is one of several values, such as an object or None.
+Read next: `dynamics.compiler.registers`, which stores values by their types.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from scenic_lite.values.operations import SELECT
 from scenic_lite.values.regions import Region
 
 MOST_OPTIONS = 256
-LONGEST = 64  # elements of a list that grows during a match
+LONGEST = 64  # maximum number of elements of a list that grows during a match
 SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
 
 
@@ -34,7 +34,7 @@ class Type:
 
 @dataclass(frozen=True)
 class Scalar(Type):
-    """A number, truth value or text in one register; `whole`: an integer, written without a point."""
+    """A number, truth value or text in one register; `whole`: an integer, whose text has no decimal point."""
 
     kind: str
     whole: bool
@@ -43,7 +43,7 @@ class Scalar(Type):
 
 @dataclass(frozen=True, eq=False)
 class Const(Type):
-    """A fixed value, or one fixed by the scene."""
+    """A fixed value, or a value that the scene determines."""
 
     value: Any
 
@@ -53,7 +53,7 @@ class Const(Type):
 
 @dataclass(frozen=True)
 class Struct(Type):
-    """A structure whose parts may vary; `head` describes how to rebuild it."""
+    """A structure whose parts may vary; `head` is the information to rebuild it."""
 
     head: tuple
     parts: tuple[Type, ...]
@@ -65,7 +65,7 @@ class Struct(Type):
 
 @dataclass(frozen=True)
 class OneOf(Type):
-    """One of several; the first register selects it. None, if among them, comes last."""
+    """A choice; the first register selects the option. An option None comes last."""
 
     options: tuple[Type, ...]
 
@@ -76,9 +76,9 @@ class OneOf(Type):
 
 @dataclass(frozen=True)
 class ListType(Type):
-    """A list of at most `capacity` elements of one type: its length, then each register of the elements in turn."""
+    """A list of at most `capacity` elements of one type: its length, the first register of each element, and so on."""
 
-    element: Type | None  # None: it is always empty
+    element: Type | None  # None if the list is always empty
     capacity: int
 
     @property
@@ -88,7 +88,7 @@ class ListType(Type):
 
 @dataclass(frozen=True, eq=False)
 class RegisterList(Undecided):
-    """A list in registers; the first holds its length."""
+    """A list in registers; the first register holds the length."""
 
     type: ListType
     registers: tuple[int, ...]
@@ -123,7 +123,7 @@ def alike(a: Value, b: Value) -> bool:
 
 # ------------------------------------------------------------ structures
 def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
-    """Return the head of a structure, and its parts; None if it is not a structure."""
+    """Split a structure into its head and its parts; return None for other values."""
     if type(value) in SIMPLE or (type(value) is Instance and value.label):
         return None
     if isinstance(value, Vector):
@@ -138,7 +138,7 @@ def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
         return (Bound, value.function), [value.receiver]
     if isinstance(value, BehaviorCall):
         return (BehaviorCall, value.behavior, tuple(value.arguments), value.place), list(value.arguments.values())
-    if isinstance(value, Instance) and not value.label:  # an oriented point of an operator
+    if isinstance(value, Instance) and not value.label:  # an oriented point that an operator returns
         return (Instance, value.cls, value.place, tuple(value.properties)), list(value.properties.values())
     if builds_text(value):
         return (RandomExpr, value.operation, len(value.inputs)), list(value.inputs)
@@ -146,7 +146,7 @@ def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
 
 
 def unflatten(head: tuple, parts: list[Value]) -> Value:
-    """Rebuild a structure."""
+    """Rebuild a structure from its head and its parts."""
     kind, *rest = head
     if kind is Vector:
         return Vector(*parts)
@@ -168,7 +168,7 @@ def unflatten(head: tuple, parts: list[Value]) -> Value:
 
 
 def with_parts(value: Value, change: Callable[[Value], Value]) -> Value:
-    """Return a choice or structure with other parts; other values unchanged."""
+    """Apply `change` to the parts of a choice or structure; return other values unchanged."""
     if isinstance(value, RandomChoice):
         return RandomChoice(change(value.index), tuple(map(change, value.options)))
     apart = flatten(value)
@@ -176,7 +176,7 @@ def with_parts(value: Value, change: Callable[[Value], Value]) -> Value:
 
 
 def builds_text(value: Value) -> bool:
-    """Return whether a text is composed during the match, so that it has no number."""
+    """Return whether the match composes a text, which then has no number."""
     if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
         return False
     if value.operation is SELECT.array:
@@ -214,7 +214,7 @@ def type_of(value: Value) -> Type:
 
 
 def common_type(values: list[Value]) -> Type | None:
-    """Return the type of the actual one of some values."""
+    """Return the least type that can hold each of the values."""
     common: Type | None = None
     for value in values:
         common = join(common, type_of(value))
@@ -222,7 +222,7 @@ def common_type(values: list[Value]) -> Type | None:
 
 
 def with_registers(type: Type) -> Type:
-    """Return the same type with registers for fixed numbers, truth values and texts, which are likely to vary."""
+    """Return a type with registers for fixed numbers, truth values and texts, since these are likely to vary."""
     own = opened(type)
     if isinstance(own, Struct):
         return Struct(own.head, tuple(map(with_registers, own.parts))) if own.head[0] in (tuple, Vector) else type
@@ -230,14 +230,14 @@ def with_registers(type: Type) -> Type:
 
 
 def join(a: Type | None, b: Type | None) -> Type | None:
-    """Return the least type for the values of both."""
+    """Return the least type that contains the values of both types."""
     if a is None or b is None or a == b:
         return b if a is None else a
     return merge(a, b) or one_of([a, b])
 
 
 def merge(a: Type, b: Type) -> Type | None:
-    """Return one type for both other than a choice, if there is one."""
+    """Return a type for both that is not a new choice, or None."""
     if a == b:
         return a
     if isinstance(a, OneOf) or isinstance(b, OneOf):
@@ -257,7 +257,7 @@ def merge(a: Type, b: Type) -> Type | None:
 
 
 def opened(type: Type) -> Type:
-    """Return a fixed value's type as a register or structure, if possible."""
+    """Convert the type of a fixed value to a scalar or structure type, if possible."""
     if not isinstance(type, Const):
         return type
     if kind_of(type.value) in ("number", "truth", "text") and not builds_text(type.value):
@@ -267,7 +267,7 @@ def opened(type: Type) -> Type:
 
 
 def as_list(type: Type) -> ListType | None:
-    """Return the type of a list as one of varying length."""
+    """Convert the type of a list to a type of varying length; return None for other types."""
     if isinstance(type, Struct) and type.head[0] is list:
         element: Type | None = None
         for part in type.parts:
@@ -277,7 +277,7 @@ def as_list(type: Type) -> ListType | None:
 
 
 def one_of(types: list[Type]) -> Type:
-    """Return a choice of types; compatible ones are merged."""
+    """Return a choice of types, after merging compatible types."""
     options: list[Type] = []
     for type in types:
         for option in type.options if isinstance(type, OneOf) else (type,):
@@ -298,7 +298,7 @@ def add_option(options: list[Type], type: Type) -> None:
 
 
 def option_for(type: OneOf, value: Value) -> int:
-    """Return the option of a type that holds a value."""
+    """Return the index of the option that can hold a value."""
     own = type_of(value)
     for i, option in enumerate(type.options):
         if option == own or (not isinstance(option, Const) and merge(option, own) == option):
@@ -307,7 +307,7 @@ def option_for(type: OneOf, value: Value) -> int:
 
 
 def loaded(type: Type, registers: Iterator[int]) -> Value:
-    """Return the value in some registers."""
+    """Return the value of a type in registers."""
     if isinstance(type, Const):
         return type.value
     if isinstance(type, Scalar):

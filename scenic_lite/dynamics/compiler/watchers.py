@@ -1,7 +1,8 @@
 """Statements that monitor a match: `terminate when`, `terminate after`, `record`, temporal requirements.
 
-A temporal requirement is a small automaton: its state is the remaining requirement after a step (`temporal`), and the
-truths of the expressions in the state select the next one. Read next: `dynamics.compiler.layout`.
+A temporal requirement is a small automaton. A state is the remaining requirement after a step
+(`language.requirements`). The truth values of the expressions in a state select the next state.
+Read next: `dynamics.compiler.layout`.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ from scenic_lite.language.requirements import Formula, Settled
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
 
-MOST_STATES = 64  # of one temporal requirement
-MOST_ATOMS = 8  # expressions that one state evaluates
+MOST_STATES = 64  # maximum number of states of one temporal requirement
+MOST_ATOMS = 8  # maximum number of expressions in one state
 
 
 def frame_for(c: Compilation, watched: EpisodeStatement) -> CompiledScope:
-    """Return the names visible to a statement outside of behaviors."""
+    """Return a scope with the names visible to a statement outside behaviors."""
     c.code.place = watched.place
     inlined = InlinedBody((*c.site.path, id(watched.tree)), Label())
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
@@ -46,14 +47,14 @@ def frame_for(c: Compilation, watched: EpisodeStatement) -> CompiledScope:
 
 @contextmanager
 def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
-    """Execute the rows written inside the context while a scenario runs."""
+    """Execute the rows written inside the context only while a scenario runs."""
     with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
         yield
 
 
 # ------------------------------------------------------------ ends
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
-    """Store the time limit of a new scenario, from `terminate after`; the last one counts."""
+    """Store the time limit of a new scenario; the last `terminate after` counts."""
     limits = [item.watched for item in part.terminations if isinstance(item.watched.tree, nodes.TerminateAfter)]
     if limits:
         taken, allowed = part.limit = c.code.fixed.take(), c.code.fixed.take()
@@ -62,7 +63,7 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
-    """Compile `terminate [simulation] when`: end with the label of the first condition that holds."""
+    """Compile `terminate [simulation] when`: call `end` with the label of the first true condition."""
     for item in part.terminations:
         tree = item.watched.tree
         if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
@@ -87,14 +88,14 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
 # ------------------------------------------------------------ records
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
-    """Take the `record` statements of one kind: in every step those of all scenarios, else those of the program."""
+    """Take the records of one kind: "each" in all running scenarios, others only in the program itself."""
     for part in main.family() if when == "each" else [main]:
         with while_running(c, part) if part.records and when != "final" else nullcontext():
             take_records(c, part, when)
 
 
 def take_records(c: Compilation, part: ScenarioInstance, when: str) -> None:
-    """Store the values of a scenario's `record` statements of one kind in registers, with their time."""
+    """Store the values of a scenario's records of one kind in registers, with the time."""
     for item in part.records:
         if item.watched.tree.when == when:
             with c.code.statement():
@@ -115,7 +116,7 @@ def take_record(c: Compilation, item: WatchedItem) -> None:
 
 
 def in_registers(c: Compilation, value: Value) -> Value:
-    """Return a value whose random parts are all in registers, also those of the scene; a list in full."""
+    """Return a value with all random parts in registers, including values of the scene and all elements of a list."""
     if isinstance(value, RegisterList):
         capacity = 0 if value.type.element is None else value.type.capacity
         return Listed(value.length, [in_registers(c, value.at(i)) for i in range(capacity)])
@@ -130,9 +131,9 @@ class Automaton:
 
     def __init__(self, formula: Formula) -> None:
         self.states: list[Formula] = [formula]
-        self.atoms: list[list] = []  # the expressions of each state
-        self.next: list[list[int]] = []  # the indices of the following states, by the truths of the expressions
-        for state in self.states:  # grows during the iteration
+        self.atoms: list[list] = []  # state -> its expressions
+        self.next: list[list[int]] = []  # state -> next states, by the truth values of its expressions
+        for state in self.states:  # the list grows during the iteration
             atoms: list = []
             state.after(lambda atom, atoms=atoms: atom in atoms or atoms.append(atom) is None)  # type: ignore[misc]
             if len(atoms) > MOST_ATOMS:
@@ -150,7 +151,7 @@ class Automaton:
 
 
 def see_steps(c: Compilation, part: ScenarioInstance) -> None:
-    """Write the step of a scenario's temporal requirements."""
+    """Write one step of a scenario's temporal requirements."""
     for item in part.temporal:
         bindings = item.watched.bindings
         with c.code.statement(), nullcontext() if bindings is None else bindings.restored(c.state):
@@ -158,7 +159,7 @@ def see_steps(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
-    """Write rows that set the following state of a requirement."""
+    """Write rows that set the next state of a requirement."""
     code, automaton, state = c.code, item.automaton, item.register
     assert state is not None
     code.place = item.watched.place
@@ -182,14 +183,14 @@ def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
 
 
 def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
-    """Reject the match at the end of a scenario whose requirements are unsatisfied."""
+    """Write rows that reject the match if the scenario ends with unsatisfied requirements."""
     for item in part.temporal:
         c.code.place = item.watched.place
         refuse(c, item, lambda rest: not rest.at_end())
 
 
 def refuse(c: Compilation, item: WatchedItem, bad: Callable[[Formula], bool]) -> None:
-    """Reject the match in the bad states of a requirement."""
+    """Write rows that reject the match in the bad states of a requirement."""
     assert item.register is not None
     numbers = [number for number, rest in enumerate(item.automaton.states) if bad(rest)]
     c.code.dispatch(item.register, dict.fromkeys(numbers, partial(c.reject, item.watched.label)))

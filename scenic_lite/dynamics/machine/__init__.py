@@ -1,1 +1,1 @@
-"""The virtual machine: the table of instructions, the loop over them, a compiled program."""
+"""The virtual machine: the table of opcodes, the loop that executes code, and compiled programs."""

@@ -1,4 +1,4 @@
-"""A compiled program: its code, and the data to run it and to explain its errors.
+"""A compiled program: its code, and the data for execution and for error messages.
 
 Read next: `dynamics.machine.vm`; `tests/scenic_lite/dynamics/controller.py`, which drives one match from Python.
 """
@@ -24,8 +24,8 @@ from scenic_lite.values.graph import RandomExpr, Tape, Value
 class Record(NamedTuple):
     """A `record` in registers.
 
-    `when`: "initial", "each" or "final"; `taken`: the register of the time at which it was taken last, -1 before; then
-    its value, with registers.
+    `when`: "initial", "each" or "final". `taken`: the register with the time of the last recording, or -1. `value`: the
+    value, with registers.
     """
 
     name: str
@@ -36,19 +36,19 @@ class Record(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A program's behaviors as code, and the data to run it and to explain its errors.
+    """A program's behaviors as code, with the data for execution and for error messages.
 
     Attributes:
         code: the arrays that kernels read.
-        program: its source.
-        threads: for each thread the object that it moves, or -1.
-        commands: in a world whose actions are of any kind, the value of each command number, with registers.
-        diagnostics: statements that would stop a match that reaches them, and why; of kind `warning`: probable
+        program: the source program.
+        threads: for each thread, the object that it controls, or -1.
+        commands: in a world without numbered actions, the value of each command number, with registers.
+        diagnostics: errors of statements that stop every match that reaches them; kind `warning`: probable
             mistakes.
         records: the registers of `record` statements.
         sets_reward: whether a statement assigns `simulation().scenic_reward`.
-        end_reasons, rejections: the reasons why a match ends, and the requirements that it may violate; a register
-            holds the index plus 1.
+        end_reasons, rejections: the possible reasons for the end of a match, and the requirements that it may
+            violate; a register holds the index plus 1.
     """
 
     code: bytecode.Code
@@ -59,12 +59,12 @@ class Compiled:
     rejections: tuple[str, ...]
     diagnostics: tuple[ScenicError, ...]
     listing: Listing
-    start: np.ndarray  # [R]: constants, entries of the threads
-    inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene sets: register, slot of the tape, text
+    start: np.ndarray  # [R]: initial registers, such as constants and entry rows of threads
+    inputs: tuple[tuple[int, int, bool], ...]  # set by the scene: register, slot of the tape, is text
     tape: Tape
     texts: dict[str, int]
     records: tuple[Record, ...]
-    overridden: tuple[tuple[int, int, bool], ...]  # objects with other behaviors: number, register, has one at first
+    overridden: tuple[tuple[int, int, bool], ...]  # objects that change behavior: number, register, has an initial one
     sets_reward: bool
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
@@ -80,12 +80,12 @@ class Compiled:
         return rows
 
     def text(self, value: str) -> int:
-        """Return the number of a text; a new one if the program does not contain it."""
+        """Return the number of a text, which is new if the program does not contain the text."""
         return self.texts.setdefault(str(value), len(self.texts))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Return `diagnostics` as messages for the program's author, with places."""
+        """Return `diagnostics` as messages with places, for the author of the program."""
         stops = "a match that comes to this line stops: "
         return tuple(f"{'' if error.kind == 'warning' else stops}{error}" for error in self.diagnostics)
 
@@ -94,7 +94,7 @@ class Compiled:
         return disassemble(self.code, self.listing)
 
     def fault(self, registers: np.ndarray) -> ScenicError | None:
-        """Return the error of a match [R], at its place in the program; None if there is none."""
+        """Return the fault of a match [R] as an error with its place in the program, or None."""
         if registers[bytecode.FAULT] == 0:
             return None
         row = min(int(registers[bytecode.FAULT_ROW]), len(self.listing.places) - 1)
@@ -113,18 +113,18 @@ class Compiled:
         return error
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
-        """Return a value with registers in a match [R] whose scene gives the draws these values."""
+        """Return a value with registers as a plain value, in a match [R] with these values of its draws."""
         names = {number: text for text, number in self.texts.items()}
         return plain(value, registers, dict(scene), names)
 
 
 # ------------------------------------------------------------ results of `record` statements
 def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the recorded values by name, after a step that left registers [N, R].
+    """Return the recorded values by name, given the registers [N, R] after a step.
 
-    Numbers and truth values are float64 [N], vectors [N, 2], NaN where a match has recorded nothing in this step; other
-    values are an array of Python values, None where missing. `record initial` belongs to the first step, `record
-    final` to the last.
+    Numbers and truth values are float64 [N], vectors [N, 2], with NaN for a match without a recording in this step.
+    Other values are an array of Python values, with None for a missing value. `record initial` belongs to the first
+    step, `record final` to the last.
     """
     by_name: dict[str, np.ndarray] = {}
     for record in compiled.records:
@@ -135,12 +135,12 @@ def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]
         if before is None:
             by_name[record.name] = values
         elif before.shape == values.shape and before.dtype == values.dtype:
-            before[taken] = values[taken]  # of several records with one name the last that ran counts
+            before[taken] = values[taken]  # among records with one name, the last recording counts
     return by_name
 
 
 def values_of(compiled: Compiled, record: Record, registers: np.ndarray, taken: np.ndarray) -> np.ndarray:
-    """Return one record of all matches."""
+    """Return the values of one record in all matches."""
     value = record.value
     if is_number(value):
         return np.where(taken, numbers(value, registers), np.nan)

@@ -1,4 +1,4 @@
-"""Readable listings of code: the program's places beside its rows, and the rows in words.
+"""Readable listings of code: rows in words, with their places in the program.
 
 Read next: `dynamics.machine.opcodes`.
 """
@@ -15,14 +15,14 @@ from scenic_lite.errors import SourceSpan
 
 
 class Listing(NamedTuple):
-    """The names that make code readable: a place for each row, a name for each register, the program's lines."""
+    """The names that make code readable: places of rows, names of registers, and lines of the program."""
 
     places: tuple[SourceSpan, ...]  # [n]
-    names: dict[int, str]  # of registers
-    lines: dict[tuple[str, int], str]  # by file and line
-    notes: dict[int, str]  # of rows that are faults of the program
-    titles: dict[int, str]  # of threads, by their entry row
-    calls: dict[int, SourceSpan]  # of rows in library functions: where the program calls them
+    names: dict[int, str]  # register -> name
+    lines: dict[tuple[str, int], str]  # (file, line) -> text
+    notes: dict[int, str]  # row -> message of its fault
+    titles: dict[int, str]  # entry row -> title of the thread
+    calls: dict[int, SourceSpan]  # row of a library function -> its call in the program
 
 
 def disassemble(code: Code, listing: Listing) -> str:

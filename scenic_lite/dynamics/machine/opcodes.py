@@ -1,7 +1,7 @@
 """The opcodes of the virtual machine: plain integers, each with its operands and its meaning.
 
-Kernels read plain integers faster than members of an enumeration, and Numba compiles them to constants. A new opcode is
-one row of this table and one branch in `vm`. Read next: `dynamics.machine.bytecode`, how code consists of them.
+Kernels read plain integers faster than members of an enumeration, and Numba compiles them to constants. A new opcode
+needs one row in this table and one branch in `vm`. Read next: `dynamics.machine.bytecode`, the format of code.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 
 class Opcode(NamedTuple):
-    """One row of the table; `operands` gives their kinds: t target, l list, k number, a..c register, `.` unused."""
+    """One row of the table; `operands` are their kinds: t target, l list, k number, a..c register, `.` unused."""
 
     name: str
     operands: str
     meaning: str
 
 
-OPCODES: list[Opcode] = []  # by their number
+OPCODES: list[Opcode] = []  # index: the number of the opcode
 
 
 def opcode(name: str, operands: str, meaning: str) -> int:

@@ -1,4 +1,4 @@
-"""Values in registers during a match, and how to read them as plain ones.
+"""Values in registers during a match, and their conversion to plain values.
 
 Read next: `dynamics.machine.compiled`.
 """
@@ -17,7 +17,7 @@ from scenic_lite.values.graph import RandomExpr, Value
 class RegisterValue(RandomExpr):
     """A value in a register during a match; a leaf of the compiler's expressions.
 
-    `whole`: it is an integer, which matters when it is written as text.
+    `whole`: it is an integer, which matters for its text.
     """
 
     __slots__ = ("register", "whole")
@@ -28,14 +28,14 @@ class RegisterValue(RandomExpr):
 
 
 class Listed(NamedTuple):
-    """A list in registers whose length varies: only the first elements count."""
+    """A list of varying length in registers; only the first `length` elements count."""
 
     length: RegisterValue
     elements: list[Value]
 
 
 def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], names: dict[int, str]) -> Value:
-    """Return a value with all of its registers read."""
+    """Return a value with the contents of all its registers."""
     if isinstance(value, Listed):
         count = int(registers[value.length.register])
         return [plain(element, registers, row, names) for element in value.elements[:count]]
@@ -58,7 +58,7 @@ def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], nam
 
 
 def leaves(value: Value) -> list[RegisterValue]:
-    """Return the registers in a value, and in the values from which it is computed, each once."""
+    """Return the registers on which a value depends, each once."""
     registers: list[RegisterValue] = []
     pending, seen = [value], set()
     while pending:

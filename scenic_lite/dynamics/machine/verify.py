@@ -1,7 +1,7 @@
-"""Rejects tampered checkpoints and code: checks bytecode before it runs, since the machine checks almost nothing.
+"""Verification of bytecode before execution, for tampered checkpoints and code; the machine checks almost nothing.
 
-Rows, registers and lists named by operands must exist, and the last row must lead elsewhere. Only values known during
-a match, such as a computed index or a row in a slot, are checked by the machine itself.
+The rows, registers and lists of all operands must exist, and the last row must not fall through. The machine itself
+checks only values that are known during a match, such as a computed index or a row in a slot.
 Read next: `dynamics.machine.vm`.
 """
 
@@ -15,23 +15,23 @@ from scenic_lite.dynamics.machine.opcodes import OPCODES
 
 ENDS = frozenset({op.END, op.JUMP, op.LOOP_BACK, op.RESUME, op.REJECT, op.FAULT, op.TAKE, op.WAIT, op.TERMINATE})
 LENGTHS = {op.IN_SECTOR: 5, op.IN_RECTANGLE: 7, op.RECTANGLES_MEET: 10, op.SECTOR_MEETS: 10, op.IN_RINGS: 2}  # of lists
-EDGE = 4  # operands of IN_RINGS for each edge
+EDGE = 4  # number of operands of IN_RINGS per edge
 
 
 class CodeError(ValueError):
-    """Invalid code, which must not run; the message gives the reason."""
+    """Invalid code, which must not run; the message states the reason."""
 
 
 def slots(code: Code) -> np.ndarray:
-    """Return the registers that hold rows of suspended blocks, sorted."""
+    """Return the sorted registers that hold the rows of suspended blocks."""
     jumps = np.isin(code.rows[:, 0], (op.RESUME, op.RESUME_IF_RUNNING))
     return np.unique(np.concatenate([code.threads[:, 0], code.rows[jumps, 1].astype(np.int32)]))
 
 
 def verify(code: Code, objects: int, cells: int) -> Code:
-    """Return code for so many objects, in a world of so many numbers, if it is safe.
+    """Return the code if it is safe for a number of objects and a world of `cells` numbers.
 
-    Raises `CodeError` if it is not.
+    Raises `CodeError` for unsafe code.
     """
     rows, registers = code.rows.astype(np.int64), code.register_count
     _demand(int(rows[-1, 0]) in ENDS, "nothing follows the last row")
@@ -39,7 +39,7 @@ def verify(code: Code, objects: int, cells: int) -> Code:
     for opcode in np.unique(rows[:, 0]).tolist():
         mine = rows[rows[:, 0] == opcode]
         for values, kind in zip(mine[:, 1:].T, OPCODES[opcode].operands, strict=True):
-            if kind in "abc.":  # an unused operand is read, too
+            if kind in "abc.":  # the machine also reads unused operands
                 _demand(values < registers, f"an operand of {OPCODES[opcode].name} is not a register")
             elif kind == "t":
                 _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is not a row")

@@ -1,8 +1,8 @@
-"""The virtual machine of compiled behaviors: one loop over rows, for one thread of a match until it lets time pass.
+"""The virtual machine of compiled behaviors: one loop over rows, which runs a thread until time passes in it.
 
-It allocates and decodes nothing; the chain of tests becomes one jump table. The machine does not depend on football:
-the match provides registers and takes one command for each object. Read next: `dynamics.machine.compiled`, which
-drives it from Python.
+The machine allocates and decodes nothing; compilation turns the chain of tests into one jump table. The machine does
+not depend on football: a match provides registers and receives one command for each object. Read next:
+`dynamics.machine.compiled`, which drives it from Python.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ TURN = 2 * math.pi
 
 @kernel
 def stop(registers, fault, row):
-    """Store a fault and its row; the first fault of a match stays."""
+    """Store a fault and its row, unless the match already has a fault."""
     if registers[FAULT] == 0:
         registers[FAULT] = fault
         registers[FAULT_ROW] = row
@@ -57,7 +57,7 @@ def stop(registers, fault, row):
 
 @kernel
 def run_thread(code, registers, commands, thread, rng):
-    """Resume one thread until it lets time pass, ends or fails. `rng.random` is the match's stream."""
+    """Resume one thread until it lets time pass, ends or fails. `rng.random` is the random stream of the match."""
     rows, lists = code.rows, code.lists
     obj = code.threads[thread, 1]
     pc = int(registers[code.threads[thread, 0]])
@@ -230,7 +230,7 @@ def run_thread(code, registers, commands, thread, rng):
 
 @kernel
 def computed(code, registers, opcode, b, c):
-    """Compute the rarer functions: return the result, and whether it exists. Integers have no -0, hence `+ 0.0`."""
+    """Compute a rare function; return the result and whether it exists. `+ 0.0` avoids -0, which integers lack."""
     x = registers[b]
     if opcode == op.POWER:
         return power(x, registers[c])
@@ -272,7 +272,7 @@ def run_threads(code, registers, commands, first, count, rng):
 
 @kernel
 def step_scenario(code, registers, commands, rng):
-    """Let the scenario take one step at each time, at the first call."""
+    """Run one step of the scenario at the first call in each time step."""
     if registers[SEEN] < registers[code.clock]:
         registers[SEEN] = registers[code.clock]
         run_threads(code, registers, commands, 0, code.scenarios, rng)
@@ -280,7 +280,7 @@ def step_scenario(code, registers, commands, rng):
 
 @kernel
 def end(code, registers, commands, rng):
-    """End the match: it is rejected if a requirement is unsatisfied."""
+    """Run the end of the match, which rejects it if a requirement is unsatisfied."""
     run_threads(code, registers, commands, code.threads.shape[0] - 1, 1, rng)
 
 
@@ -295,7 +295,7 @@ def run_behaviors(code, registers, commands, rng):
     """Run one step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND for none.
 
     The registers hold the current world and facts. Afterwards `TERMINATED`, `REJECTED` and `FAULT` indicate whether the
-    match continues; if not, no object has a command.
+    match continues; if it does not, no object has a command.
     """
     commands[:] = NO_COMMAND
     if over(registers):
@@ -315,7 +315,7 @@ def run_behaviors(code, registers, commands, rng):
 
 @kernel
 def run_watchers(code, registers, rng):
-    """Run one step of all statements that monitor a match; return the reward and clear it.
+    """Run one step of all statements that monitor a match; return and clear the reward.
 
     The order is: records, monitors, conditions that end the match.
     """

@@ -1,6 +1,6 @@
-"""The virtual machine's longer functions: formulas of `values` on operands of a list, polygons, sorting, powers.
+"""The longer functions of the virtual machine: formulas of `values` on operand lists, polygons, sorting, powers.
 
-The formulas are compiled unchanged. Read next: `dynamics.machine.vm`.
+Numba compiles the formulas unchanged. Read next: `dynamics.machine.vm`.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ quantile = kernel(formulas.normal_quantile)
 
 @overload(formulas.either)
 def either(condition, first, second):
-    """Choose between two numbers: `np.where` would create an array, which kernels must not."""
+    """Choose between two numbers; `np.where` would create an array, and kernels must not allocate."""
     return lambda condition, first, second: first if condition else second
 
 
 @kernel
 def five(registers, lists, at):
-    """Return five operands of a list: a sector (x, y, radius, heading, angle), a rectangle (x, y, heading, ...)."""
+    """Return five operands of a list: a sector (x, y, radius, heading, angle) or a rectangle (x, y, heading, ...)."""
     x, y = registers[lists[at]], registers[lists[at + 1]]
     return x, y, registers[lists[at + 2]], registers[lists[at + 3]], registers[lists[at + 4]]
 
 
 @kernel
 def in_rings(registers, lists, at):
-    """Return whether a point is inside or on closed edges: a ray from it crosses them an odd number of times."""
+    """Return whether a point is inside or on closed edges; inside, a ray crosses the edges an odd number of times."""
     x, y = registers[lists[at]], registers[lists[at + 1]]
     inside = False
     for edge in range(at + 2, at + lists[at - 1], 4):
@@ -55,7 +55,7 @@ def in_rings(registers, lists, at):
 
 @kernel
 def bucketize(value, registers, lists, at):
-    """Count how many of the rising numbers of a list are at most `value`."""
+    """Count the numbers of an ascending list that are at most `value`."""
     count = 0
     while count < lists[at - 1] and registers[lists[at + count]] <= value:
         count += 1
@@ -64,7 +64,7 @@ def bucketize(value, registers, lists, at):
 
 @kernel
 def sort_order(registers, out, keys, count):
-    """Write the stable order of `count` keys: indices, the least key first."""
+    """Write the stable sort order of `count` keys, as indices from the least key up."""
     for i in range(count):
         at = i
         while at > 0 and registers[keys + i] < registers[keys + int(registers[out + at - 1])]:
@@ -75,7 +75,7 @@ def sort_order(registers, out, keys, count):
 
 @kernel
 def power(base, exponent):
-    """Return base ** exponent and whether Python would give a real number."""
+    """Return base ** exponent, and whether Python's result is a real number."""
     if base == 0 and exponent < 0:
         return 0.0, False
     if base < 0 and exponent != math.floor(exponent):
