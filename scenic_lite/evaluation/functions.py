@@ -88,7 +88,7 @@ class Extreme:
 
     def __call__(self, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
         if len(values) == 1 and isinstance(values[0], RandomChoice):
-            return values[0].each(lambda option: self(scope, node, option, key=key))
+            return values[0].each(lambda option: self(scope, node, option, key=key, default=default))
         if not values:
             raise ScenicError("type", "min and max need at least one value")
         items = scope.elements(values[0], node) if len(values) == 1 else list(values)

@@ -211,6 +211,12 @@ def test_a_random_list_takes_random_places():
         things("items = Uniform([1, 2], [3, 4])\nparam at = items[DiscreteRange(0, 2)]")
 
 
+def test_an_empty_random_list_has_the_default_extreme():
+    program = things("items = Uniform([3, 1], [])\nparam low = min(items, default=7), high = max(items, default=7)\n")
+    _, scenes = program.sample(40, np.random.default_rng(0))
+    assert set(zip(scenes.params["low"], scenes.params["high"], strict=True)) == {(1, 3), (7, 7)}
+
+
 @pytest.mark.parametrize(("index", "message"), [("n", "index of a list"), (":n", "ends of a slice")])
 def test_what_stands_at_random_places_is_refused(index, message):
     text = "n = DiscreteRange(-3, 2)\nitems = [1, 2, 3]\n"
