@@ -24,7 +24,7 @@ class View(NamedTuple):
 
     vectors: np.ndarray  # [N, A, F] float32
     planes: np.ndarray  # [N, A, 72, 96, C] uint8
-    pixels: np.ndarray  # [N, A, K, 3] uint8, those of the planes that are set, see `SparseImage`
+    pixels: np.ndarray  # [N, A, K, 3] uint8, coordinates of the pixels that are set in the planes, see `SparseImage`
 
 
 @kernel(inline=True)
