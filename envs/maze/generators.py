@@ -30,9 +30,9 @@ def four_rooms(rng: np.random.Generator) -> Maze:
 def simple_crossing(rng: np.random.Generator) -> Maze:
     """Sample MiniGrid's SimpleCrossingS11N5: a room with five walls from side to side.
 
-    The walls stand in odd rows and columns. A path from room to room, down or right in random order, leads from the
-    agent, at the top left and facing right, to the goal at the bottom right. Each wall has one gap, in a uniform cell
-    next to the room from which the path crosses the wall.
+    The walls stand in odd rows and columns. The agent starts at the top left, facing right, and the goal is at the
+    bottom right. A path from room to room, down or right in random order, leads from the agent to the goal. Each wall
+    has one gap, in a uniform cell next to the room from which the path crosses the wall.
     """
     side = CROSSING_SIDE
     lines = rng.permutation([(axis, place) for axis in (0, 1) for place in range(1, side - 1, 2)])[:CROSSINGS]

@@ -185,7 +185,7 @@ def takes_place(kick, action):
 @kernel
 def may_slide(match, i):
     """Return whether the slide button works for player i: no kick is requested, and the carrier's ball is far enough
-    away, or at a free ball the player is neither the first of the team nor clearly ahead of the opponents.
+    away. At a free ball, the player must be neither the first of the team nor clearly ahead of the opponents.
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):

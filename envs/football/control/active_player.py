@@ -1,10 +1,10 @@
 """The player that a single agent of Google Research Football controls: how control changes, and the first step.
 
-Each team has a *designated* player, who should win the ball. The designated player becomes the active one as soon as
-only that team owns the ball, or if it needs a third of the active player's time to the ball; keepers are excepted. A
-pass makes its receiver both designated and active. Sticky actions move along with the agent; a kick or a slide stays
-with its player. An episode begins with a player who may be far from the ball (the keeper, in small teams), and these
-rules apply within the first step. So a kick or slide of the first step is usually lost.
+Each team has a *designated* player, who should win the ball. The designated player becomes active as soon as only that
+team owns the ball, or if it needs a third of the active player's time to the ball. Keepers are excepted. A pass makes
+its receiver both designated and active. Sticky actions move along with the agent; a kick or a slide stays with its
+player. An episode begins with a player who may be far from the ball (the keeper, in small teams), and these rules apply
+within the first step. So a kick or slide of the first step is usually lost.
 Read next: `control.agents`, the other control modes.
 """
 

@@ -46,6 +46,6 @@ def observe(batch, index, view, kind):
 
 @kernel(inline=True)
 def remember_minimap(batch, index, kind):
-    """Store what later observations of match number `index` need."""
+    """Store the positions that later observations of match number `index` need."""
     if kind in (SMM, SMM_STACKED):
         remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])
