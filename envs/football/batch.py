@@ -31,7 +31,7 @@ from regista.envs.football.state import MATCH
 from regista.kernels.jit import kernel
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 
-# records as objects with attributes: one object for all batches, or Numba compares two types field by field in a step
+# MATCH with fields as attributes: one object for all batches, or Numba compares two types field by field in every step
 RECORD = np.dtype((np.record, MATCH))
 
 

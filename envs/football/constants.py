@@ -51,7 +51,7 @@ DIRECTION_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_BOTTOM, DIRECTION_BOTTOM_LEFT
 LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT = 9, 10, 11, 12
 SPRINT, RELEASE_DIRECTION, RELEASE_SPRINT, SLIDING, DRIBBLE, RELEASE_DRIBBLE = 13, 14, 15, 16, 17, 18
 BUILTIN_AI = 19  # never an agent's action
-STAND = -1  # the player of a lazy agent, which does nothing; never an agent's action either
+STAND = -1  # a lazy player, who does nothing; never an agent's action either
 NUM_ACTIONS = 19
 NO_ACTION = -1  # for steps that none of the 19 actions describes
 BY_PROGRAM = -2  # leaves the agent's player to the program; never an agent's own action
