@@ -1,7 +1,7 @@
 """The smallest world: every object drifts up the y axis by the same distance in each step, and actions change nothing.
 
-It is the simulator in which Scenic's authors test behaviors, and in which ours are compared with theirs. An action is
-any value. It stands for whatever no simulator is known for. Read next: `scenic_lite.core.world`.
+Scenic's authors test behaviors in this simulator, and our tests compare our behaviors with theirs in it. An action is
+any value. Tests use it for programs that need no particular simulator. Read next: `scenic_lite.core.world`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ FACTS = ("time",)
 
 
 def toy_world(timestep: float = 1.0) -> World:
-    """Return the world of the toy simulator, with so many seconds to a step."""
+    """Return the world of the toy simulator; `timestep` is the duration of a step in seconds."""
 
     def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
         names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}

@@ -1,7 +1,8 @@
 """The batch loop: N matches, each stepped, rewarded and observed. An ended match stays at its end until it is reset.
 
-This is the only loop over matches, and the only parallel one; everything it calls is scalar code on one match. A match
-never reads another, so the result is the same for any number of threads. Read next: `simulator`, for one step.
+This is the only loop over matches, and the only parallel one; all functions that it calls are scalar code on one match.
+A match never reads another one, so the result is the same for any number of threads. Read next: `simulator`, for one
+step.
 """
 
 from __future__ import annotations
@@ -40,15 +41,15 @@ class Batch(NamedTuple):
     matches: np.ndarray  # MATCH [N]
     starts: np.ndarray  # MATCH [N]
     registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
-    start_registers: np.ndarray  # [N, R] float64
+    start_registers: np.ndarray  # [N, R] float64, their initial values
     commands: np.ndarray  # [N, O] float64, commands of the program's objects for this step
-    minimap_places: np.ndarray  # [N, 4, P + 1, 2] float64, of the last steps, for observations that stack them: `smm`
+    minimap_places: np.ndarray  # [N, 4, P + 1, 2] float64, positions of the last 4 steps, for `smm_stacked`
     minimap_agents: np.ndarray  # [N, 4, A] int64, the agents' players in these steps
-    idle: np.ndarray  # [N] bool, matches that are not stepped
+    idle: np.ndarray  # [N] bool, matches that are not stepped any more
 
 
 class Pool(NamedTuple):
-    """Initial states of the levels on which episodes may start."""
+    """Initial states on the levels that new episodes may use."""
 
     matches: np.ndarray  # MATCH [B]
     registers: np.ndarray  # [B, R] float64
@@ -72,15 +73,15 @@ class BatchSettings(NamedTuple):
 
     checkpoints: bool  # whether checkpoints are rewarded
     defending: bool  # an episode succeeds if no goal is conceded
-    rewarding: bool  # the program defines rewards: then a return above 0 is a success
+    rewarding: bool  # the program defines rewards, so a return above 0 is a success
     observation: int  # the agents' representation: `observation.FEATURES` to `RAW`
-    scripted: bool  # the program has behaviors or monitors; otherwise their stages are skipped
+    scripted: bool  # the program has behaviors or monitors; without them these stages are skipped
     object_to_player: np.ndarray  # [O] int64, the player of each object of the program, or THE_BALL
-    objects_read: np.ndarray  # [O] int64, what the program reads of each object: see `Cast`
+    objects_read: np.ndarray  # [O] int64, which fields of each object the program reads: see `Cast`
 
 
 def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple[np.ndarray, np.ndarray]) -> Batch:
-    """Allocate `count` matches; records whose fields are attributes even when not compiled."""
+    """Allocate `count` matches, as records whose fields are attributes, also in uncompiled code."""
     matches, starts = (np.zeros(count, RECORD).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
     commands = np.zeros((count, objects))
@@ -88,7 +89,7 @@ def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple
 
 
 def empty_outcome(count: int, agents: int) -> Outcome:
-    """Allocate the results of `count` matches with so many agents each."""
+    """Allocate the results of `count` matches with `agents` agents each."""
     return Outcome(
         np.zeros(count),
         np.zeros((count, agents)),
@@ -105,8 +106,8 @@ def empty_outcome(count: int, agents: int) -> Outcome:
 def step_batch(batch, actions, outcome, seen, settings, code):
     """Step N matches of a program with actions `[N, A]`; write the agents' observations into the View `seen`."""
     for index in prange(len(batch.matches)):
-        # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
-        # the record.
+        # A single call, because Numba's parallel pass reorders the statements of a loop body and overlooks that they
+        # share the record.
         _step_row(batch, actions, outcome, seen, settings, code, np.int64(index))  # prange counts unsigned
 
 
@@ -133,7 +134,7 @@ def begin_row(batch, actions, settings, code, index):
 
 @kernel(inline=True)
 def cast_of(settings):
-    """Return the players of the program's objects, and which of their fields it reads."""
+    """Return the players of the program's objects, and which of their fields the program reads."""
     return Cast(settings.object_to_player, settings.objects_read)
 
 
@@ -168,7 +169,7 @@ def run_monitors(batch, settings, code, index):
 
 @kernel(inline=True)
 def finish_row(batch, outcome, seen, settings, index):
-    """Reward and observe a match; an idle one gets no reward and no action."""
+    """Reward and observe a match; an idle match gets no reward and NO_ACTION."""
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
@@ -200,11 +201,11 @@ def begin(batch, where, luck, settings):
 def begin_match(batch, index, luck, settings):
     """Reset one match to its initial state, with the random stream `luck`."""
     batch.matches[index] = batch.starts[index]
-    if not batch.matches[index].deterministic:  # else every episode repeats the stream of its initial state
+    if not batch.matches[index].deterministic:  # otherwise every episode uses the stream of its initial state
         batch.matches[index].random = luck
-    for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
+    for register in range(batch.registers.shape[1]):  # by element, since assigning a row would first make a copy
         batch.registers[index, register] = batch.start_registers[index, register]
-    # Drawn in each episode: the engine's variation, and the players' stances at the first whistle.
+    # Drawn in each episode: the variation of the engine, and the players' stances at the first whistle.
     vary_engine(batch.matches[index])
     take_stance(batch.matches[index])
     remember_minimap(batch, index, settings.observation)

@@ -1,4 +1,4 @@
-"""Settings of the football environment; settings of the match are parameters of the program.
+"""Settings of the football environment. Settings of the match are parameters of the Scenic program instead.
 
 Importing it loads neither NumPy nor Numba. Read next: `vector_env`.
 """
@@ -24,10 +24,10 @@ def most_workers() -> int:
 
 @dataclass(frozen=True)
 class FootballConfig:
-    """The agents' observations, rewards and players.
+    """The settings of the football environment: observations, rewards, controlled players and engine.
 
     Raises:
-        ValueError: an unknown name.
+        ValueError: an unknown name, or a number outside its range.
     """
 
     representation: str = field(

@@ -7,7 +7,7 @@ the top of that module. Read next: `state`.
 from __future__ import annotations
 
 # Time
-STEP = 0.1  # s, one decision
+STEP = 0.1  # s, the time of one decision
 FRAMES = 10  # physics frames in a step
 DT = STEP / FRAMES  # s, one physics frame
 
@@ -53,9 +53,9 @@ SPRINT, RELEASE_DIRECTION, RELEASE_SPRINT, SLIDING, DRIBBLE, RELEASE_DRIBBLE = 1
 BUILTIN_AI = 19  # never an agent's action
 STAND = -1  # a lazy player, who does nothing; never an agent's action either
 NUM_ACTIONS = 19
-NO_ACTION = -1  # none of the 19 actions describes the step
-BY_PROGRAM = -2  # an agent leaves its player to the program; never an agent's own action
-NUM_COMMANDS = 20  # including the built-in AI's; several actions at once are digits in this base
+NO_ACTION = -1  # for steps that none of the 19 actions describes
+BY_PROGRAM = -2  # leaves the agent's player to the program; never an agent's own action
+NUM_COMMANDS = 20  # including BUILTIN_AI; several actions at once are digits in this base
 ACTION_NAMES = (
     *("idle", "left", "top_left", "top", "top_right", "right", "bottom_right", "bottom", "bottom_left"),
     *("long_pass", "high_pass", "short_pass", "shot"),
@@ -74,9 +74,9 @@ CONTROL_MODES = ("closest1", "closest2", "closest3", "active", "all", "allNonGK"
 # Modes of the game
 NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
 
-# The reason of an episode's end; the last two: the program's `terminate`, a violated requirement of the program
+# The reason why an episode ended; the last two are the program's `terminate` and a violated requirement of the program
 RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION, TERMINATED, REJECTED = range(7)
 
-# Faults found by a kernel; for a fault of the program, `scenic_lite.dynamics` reports which one
+# Faults found by a kernel; `scenic_lite.dynamics` describes a fault of the program
 NO_FAULT, NOT_A_NUMBER, BAD_ACTION, PROGRAM_FAULT = range(4)
 KICK_PATIENCE = 20  # steps for which a requested kick waits for the ball to come into reach

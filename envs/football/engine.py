@@ -1,7 +1,7 @@
 """The interface of engines: our own simulator, or GRF, behind the same few methods.
 
-An engine begins matches and steps all of them; it writes results into `Batch` and `Outcome`, so its caller does not
-depend on the engine. Read next: `batch`; `regista.envs.grf.engine`, the other engine.
+An engine begins and steps all matches, and writes results into `Batch` and `Outcome`, so its callers do not depend on
+the engine. Read next: `batch`; `regista.envs.grf.engine`, the other engine.
 """
 
 from __future__ import annotations
@@ -31,25 +31,25 @@ class Engine(Protocol):
         """Step all matches with actions `[N, A]`, as `batch.step_batch`."""
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """Return the state outside the batch."""
+        """Return the part of the state that is not in the batch."""
 
     def check_state(self, state: dict[str, Any], count: int) -> None:
         """Raise `limits.StateError` unless the state fits this engine and `count` matches."""
 
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Restore what `get_state` returned, which `check_state` has checked; the batch has been restored already."""
+        """Restore the state from `get_state` after `check_state` has accepted it and the batch has been restored."""
 
     def close(self) -> None:
         """Free the engine's resources."""
 
 
 class Simulator:
-    """Our own simulator: all of its state is in the batch."""
+    """Our own simulator, whose entire state is in the batch."""
 
     def __init__(self, code: Code) -> None:
         self._code = code
-        self._compiled: Any = None  # `step_batch` for arrays of these types
-        self._rollouts: Any = None  # `play_matches`
+        self._compiled: Any = None  # `step_batch`, compiled for arrays of these types
+        self._rollouts: Any = None  # `play_matches`, likewise
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_compiled": None, "_rollouts": None}  # machine code cannot be sent to another process
@@ -61,8 +61,8 @@ class Simulator:
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Step all matches.
 
-        Numba infers the types of all arrays at every call, which takes longer than stepping ten matches: the types
-        never change, so they are inferred once.
+        Numba infers the types of all arrays at every call, which takes longer than stepping ten matches. The types
+        never change, so we infer them once.
         """
         arguments = batch, actions, outcome, seen, settings, self._code
         if self._compiled is None:

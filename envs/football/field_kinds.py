@@ -1,4 +1,4 @@
-"""The kinds of a record's fields, with limits instead of bare types; `limits` rejects tampered checkpoints by them.
+"""The kinds of a record's fields: types with limits, with which `limits` rejects tampered checkpoints.
 
 Importing it does not load Numba. Read next: `state`, the tables; `limits`, which checks records by them.
 """
@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-LARGEST = 1e9  # magnitude of a real number in a record: far beyond any pitch, and safe to convert to an integer
+LARGEST = 1e9  # maximum magnitude of a real number in a record: far beyond any pitch, and safe to convert to an integer
 
 
 class Whole(NamedTuple):
-    """A whole number from `low` to `high`; if `high` is a name, from `low` to below the count of that name.
+    """A whole number from `low` to `high`; if `high` is the name of a count, from `low` to below that count.
 
-    `given`: the value must be the one that the program's line-up gives the match.
+    `given`: the value must equal the one from the program's line-up.
     """
 
     low: int
@@ -25,7 +25,7 @@ class Whole(NamedTuple):
 
 
 class Real(NamedTuple):
-    """A real number of at most this magnitude; NaN is refused."""
+    """A real number of at most this magnitude, and not NaN."""
 
     largest: float = LARGEST
 
@@ -34,7 +34,7 @@ class Real(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A number that the virtual machine uses as an index into `places` entries, whole or not: 0 to below that."""
+    """A number, whole or not, that the virtual machine uses as an index into `places` entries: 0 to below `places`."""
 
     places: int
 

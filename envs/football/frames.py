@@ -20,8 +20,8 @@ from regista.kernels.jit import kernel
 def play_frames(match):
     """Simulate the frames of one step of 100 ms; the ball stops where it leaves the pitch.
 
-    A player far from the ball and from all other players is only moved before a contact with the ball, when others may
-    read the player's position, and at the end: then by all skipped frames at once.
+    As an optimization, a player far from the ball and all other players moves by several frames at once: at the end,
+    and before a contact with the ball, when other code may read the position.
     """
     bits, crowd = reachable(match), crowded(match)
     near, behind = bits | crowd | bit_of(match.kicker) | bit_of(match.keeper_holding), 0

@@ -30,20 +30,21 @@ ENDINGS = {
 
 
 class FootballEnv(gymnasium.Env):
-    """One match. Each `reset` draws a new level, or takes `options={"theta": θ}` with θ `[D]` in [-1, 1].
+    """One match. Each `reset` samples a new level, or uses θ `[D]` in [-1, 1] from `options={"theta": θ}`.
 
     Args:
         program: a compiled program, the path of one, or its text.
         representation: the observation: "features", "simple115", "smm", "smm_stacked", "raw" (see `observation`).
         rewards: "scoring" or "scoring,checkpoints".
-        control, right_control: which players of the left and of the right team agents move (see `control_modes`).
+        control, right_control: the players of the left and right team that agents move (see `control_modes`).
         render_mode: None or "rgb_array".
-        dialect: of a program given as text or path, 2 or 3; None: detected (see `scenic_lite.load`).
-        engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
+        dialect: 2 or 3, the Scenic version of a program given as text or path; None: detected (see `scenic_lite.load`).
+        engine: "regista", or "grf" for Google Research Football, run by the Python `grf_python` (see `FootballConfig`).
 
-    `info["theta"]` after a reset is the θ played, `info["replaced"]` whether it replaces an invalid one.
-    `info["ended"]` after a step is why the episode ended ("" while it runs), `info["agent_rewards"]` `[A]` the reward
-    of each of several agents, `info["records"]`, of a program with `record`, the values recorded in the step, by name.
+    After a reset, `info["theta"]` is the θ of the level, and `info["replaced"]` is true if a valid θ replaces an
+    invalid one. After a step, `info["ended"]` is the reason why the episode ended ("" while it runs). With several
+    agents, `info["agent_rewards"]` `[A]` holds each agent's reward. If the program has `record` statements,
+    `info["records"]` holds the values recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
@@ -89,7 +90,7 @@ class FootballEnv(gymnasium.Env):
         """Step the match by 0.1 s.
 
         Raises:
-            ValueError: unless the action, or each of several agents' actions, is a whole number from 0 to 18.
+            ValueError: an action that is not a whole number from 0 to 18, or a wrong number of actions.
             RuntimeError: before `reset`.
         """
         observations, rewards, terminated, truncated, info = self.batch.advance(np.array([action]))
@@ -101,7 +102,7 @@ class FootballEnv(gymnasium.Env):
         return self._first(observations), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own
 
     def reset_random(self) -> Any:
-        """Draw all environment parameters at random and reset (thesis, section 4.2); return the observation."""
+        """Sample all environment parameters uniformly and reset (thesis, section 4.2); return the observation."""
         return self.reset()[0]
 
     def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
@@ -115,7 +116,7 @@ class FootballEnv(gymnasium.Env):
     def render(self) -> np.ndarray | None:
         """Return the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode.
 
-        After the last step of an episode it shows the end of that episode.
+        After the last step of an episode, the picture shows the end of that episode.
         """
         if not self.render_mode:
             return None
@@ -138,7 +139,7 @@ class FootballEnv(gymnasium.Env):
         return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:
-        """Return row 0 of a batch; of `raw` a dict with GRF's types, or a tuple of dicts for several agents."""
+        """Return row 0 of a batch; for `raw` a dict with GRF's types, or a tuple of dicts for several agents."""
         if isinstance(observations, tuple):
             return tuple(row(part, 0) for part in observations)
         return row(observations, 0) if isinstance(observations, dict) else observations[0]

@@ -1,4 +1,4 @@
-"""Matches about to begin, from the players' positions and the settings of an episode.
+"""Creates matches in their initial states, from the players' positions and the settings of an episode.
 
 Read next: `state`, the record that is filled; `scenic.lineup`, which reads positions and settings from a program.
 """
@@ -17,17 +17,18 @@ from regista.envs.football.control.control_modes import assign_agents
 from regista.envs.football.state import ENGINE, MATCH, NOBODY_YET
 from regista.kernels.rng import streams
 
-NO_KICK = 9.0  # s since the last kick, if there was none yet
+NO_KICK = 9.0  # s since the last kick, if no kick has happened yet
 
 
 @dataclass(frozen=True)
 class MatchConfig:
-    """Settings of an episode, named as in Google Research Football; each is one value or an array [N].
+    """Settings of an episode, with Google Research Football's names; each is one value or an array [N].
 
-    Endings have GRF's meaning. Score: a goal by either side. Out of play: the first step with a game mode other than 0
-    or kick-off, that is a throw-in, a corner, a goal kick, a foul or an offside. Possession change: the ball is owned
-    by the team that did not own it last; neither time without an owner nor a goal resets the last owner. An episode has
-    exactly `game_duration` steps (GRF's has one more), and the second half begins after `second_half` steps.
+    Endings have the same meaning as in GRF. Score: a goal by either side. Out of play: the first step with a game mode
+    other than 0 or kick-off, that is a throw-in, a corner, a goal kick, a foul or an offside. Possession change: the
+    team that did not own the ball last now owns it; neither time without an owner nor a goal resets the last owner. An
+    episode has exactly `game_duration` steps (GRF's has one more), and the second half begins after `second_half`
+    steps.
     """
 
     game_duration: npt.ArrayLike = 400
@@ -36,13 +37,13 @@ class MatchConfig:
     end_episode_on_possession_change: npt.ArrayLike = True
     defending: bool = False  # an episode succeeds if no goal is conceded: see `episode.has_succeeded`
     offsides: npt.ArrayLike = False
-    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off; the default is never
+    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off; by default never
     left_team_difficulty: npt.ArrayLike = 1.0
     right_team_difficulty: npt.ArrayLike = 0.6
-    deterministic: npt.ArrayLike = False  # the same random numbers in every episode
-    use_magnet: npt.ArrayLike = True  # a free ball attracts the best placed player, whatever direction the agent holds
+    deterministic: npt.ArrayLike = False  # use the same random numbers in every episode
+    use_magnet: npt.ArrayLike = True  # a free ball attracts the best placed player, whatever direction an agent holds
     agents_only: npt.ArrayLike = False  # in a team with agents, behaviors move only the agents' players
-    # How the engine differs from the measured one: `state.ENGINE_FIELDS`, and their spread between episodes
+    # Factors by which the engine differs from the measured one (`state.ENGINE_FIELDS`); their spread between episodes
     reaction_time: npt.ArrayLike = 1.0
     start_lag: npt.ArrayLike = 1.0
     keeper_speed: npt.ArrayLike = 1.0
@@ -52,15 +53,15 @@ class MatchConfig:
     kick_spread: npt.ArrayLike = 1.0
     sticky_noise: npt.ArrayLike = 0.0
     engine_spread: npt.ArrayLike = 0.0
-    control: str | int = "closest1"  # which left players agents move: see `control_modes`
-    right_control: str | int = "none"  # which right ones
+    control: str | int = "closest1"  # left players that agents move: see `control_modes`
+    right_control: str | int = "none"  # right players that agents move
 
 
 @dataclass(frozen=True)
 class Roster:
     """The players: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), the left team first.
 
-    `order` [P] is the position of each in the program, which breaks ties; None: the order of the arrays.
+    `order` [P] is the position of each player in the program, which breaks ties; None: the order of the arrays.
     """
 
     teams: npt.ArrayLike
@@ -75,7 +76,7 @@ def kick_off(
     seeds: npt.ArrayLike,
     config: MatchConfig = MatchConfig(),
 ) -> np.ndarray:
-    """Make matches MATCH [N] about to begin: all players stand, the ball is at rest and has no owner.
+    """Make matches MATCH [N] in their initial state: all players stand, the ball is at rest and has no owner.
 
     `positions` [N, P, 2] and `ball` [N, 2] are in meters, `seeds` [N] start the random streams. Raises ValueError
     if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
@@ -86,7 +87,7 @@ def kick_off(
 
 
 def unplaced(roster: Roster, config: MatchConfig, count: int = 1) -> np.ndarray:
-    """Make matches MATCH `[count]`, filling everything that depends on players and settings but not on positions."""
+    """Make matches MATCH `[count]`, and fill all fields that depend on players and settings but not on positions."""
     teams, roles = np.asarray(roster.teams, np.int64), np.asarray(roster.roles, np.int64)
     matches = np.zeros(count, MATCH)
     for name in NOBODY_YET:
@@ -119,7 +120,7 @@ def placed(
         for field in (name, "start_" + name, "place_" + name):
             players[field] = positions[..., axis]
     left, right = _nearest(positions, ball, players["team"][0]).T
-    matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in GRF, the right team if both are equally near
+    matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in GRF, the right team if both distances are equal
     matches["hold"] = _possession_share(left, right)
     _look_at(players, ball)
     assign_agents(matches, (config.control, config.right_control))
@@ -144,14 +145,14 @@ def _write_settings(matches: np.ndarray, config: MatchConfig) -> None:
 
 
 def _apply_factors(players: np.ndarray, engine: np.ndarray, roles: np.ndarray) -> None:
-    """Give players [N, P] their factors of the engine's variation [N]."""
+    """Write each player's factors of the engine variation [N] into players [N, P]."""
     for name in ("reaction_time", "start_lag"):
         players[name] = engine[name][:, None]
     players["top_speed"] *= np.where(roles == GK, engine["keeper_speed"][:, None], 1.0)
 
 
 def _number_players(players: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
-    """Give players [N, P] their shirt numbers, and the formation slots of these."""
+    """Give players [N, P] their shirt numbers, and the formation slots of these numbers."""
     players["team"], players["role"] = teams, roles
     players["marked_opponent"] = NOBODY
     for team in (LEFT, RIGHT):
@@ -171,7 +172,7 @@ def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
 
 
 def _possession_share(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return both teams' share of possession [N, 2] at the start: the nearer team has it; neither if equally near."""
+    """Return both teams' share of possession [N, 2] at the start: the nearer team has the ball; in a tie, neither."""
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
     return NO_POSSESSION + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_POSSESSION - NO_POSSESSION)
 

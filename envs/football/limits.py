@@ -1,8 +1,8 @@
-"""Rejects tampered checkpoints: checks every field of an external record against its limits.
+"""Rejects tampered checkpoints: every field of an external record is checked against its limits.
 
 Kernels check no bounds: an index out of range writes into the next match. So all code that loads an external state
-(`set_state`, and through it checkpoints and records of matches) first checks all of it, as words of 64 bits, against
-the tables of `state`. Read next: `field_kinds`.
+first checks each of its 64-bit words against the tables of `state`. This holds for `set_state`, and through it for
+checkpoints and records of matches. Read next: `field_kinds`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from regista.envs.football.field_kinds import Kind, Place, Real, Table, Whole, stored
 from regista.kernels.jit import kernel
 
-MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; they order like the magnitudes
+MAGNITUDE = np.int64(2**63 - 1)  # masks the sign of a double; the remaining bits order like the magnitudes
 WORD = 8  # bytes
 
 
@@ -29,13 +29,13 @@ def bits(number: float) -> int:
 
 
 class Limits:
-    """The limits of every word of some rows: the least and greatest value of a word's masked bits, as integers.
+    """The limits of every 64-bit word of a row: the least and greatest value of a word's masked bits, as integers.
 
     Args:
         fields: the name of each field, its first byte, and its kind.
-        counts: how many players and agents there are.
-        given: one valid row, as words; its values are those of all rows where a kind is `given`.
-        random: names of fields that this does not apply to, since the program draws them.
+        counts: the numbers of players and agents.
+        given: one valid row, as words; fields of kind `given` must have the values of this row.
+        random: names of fields exempt from `given`, since the program draws them.
 
     Attributes:
         masks, lows, highs: int64 `[W]`.
@@ -71,7 +71,7 @@ class Limits:
 
     @classmethod
     def of_array(cls, size: int, kinds: Mapping[int, Kind], counts: Mapping[str, int] | None = None) -> Limits:
-        """Return the limits of rows of so many 64-bit numbers, some of which have a given kind."""
+        """Return the limits of rows of `size` 64-bit numbers, of which `kinds` gives the kind of some."""
         return cls([(f"[{i}]", WORD * i, kinds.get(i, "f8")) for i in range(size)], counts or {})
 
     @staticmethod
@@ -125,7 +125,7 @@ def fields_of(dtype: np.dtype, tables: Mapping[np.dtype, Table], path: str = "",
 def first_outside(words, used, masks, lows, highs):
     """Return the index of the first of the words [N, W] outside its limits [W], or -1.
 
-    A row of zeros, a match that has not begun, is valid.
+    A row of zeros is valid: it is a match that has not begun.
     """
     for row in range(words.shape[0]):
         wrong, begun = False, False

@@ -1,7 +1,8 @@
 """One football match as a PettingZoo `ParallelEnv`: agents by name, of both teams if both have agents.
 
-It serves other libraries' trainers and self-play, one match at a time. Vectorized trainers use `FootballVectorEnv`,
-whose N matches give arrays `[N, A, ...]` with agents in the same order. Only this module needs PettingZoo.
+It is for trainers of other libraries and for self-play, one match at a time. Vectorized trainers use
+`FootballVectorEnv`, whose N matches give arrays `[N, A, ...]` with agents in the same order. Only this module needs
+PettingZoo.
 Read next: `gym_env`, which does the work.
 """
 
@@ -26,25 +27,26 @@ REASONS = {words: number for number, words in ENDINGS.items()}
 
 
 class FootballParallelEnv(ParallelEnv, EzPickle):
-    """One match of several agents. Each `reset` draws a new level, or takes `options={"theta": θ}`, θ `[D]` in [-1, 1].
+    """One match of several agents. Each `reset` samples a new level, or uses θ `[D]` in [-1, 1] from
+    `options={"theta": θ}`.
 
     Args:
         program: a compiled program, the path of one, or its text.
-        control: the left team's players that agents move: "all", "allNonGK", "closest1" to "closest3", "active", a
+        control: the players of the left team that agents move: "all", "allNonGK", "closest1" to "closest3", "active", a
             number, or "none".
-        right_control: the same for the right team, for self-play; its agents see the pitch rotated, so that they
-            attack +x, too, and their rewards have the opposite sign.
+        right_control: the same for the right team, for self-play. Its agents see the pitch rotated, so that they also
+            attack +x, and their rewards have the opposite sign.
         settings: the other arguments of `FootballEnv`: representation, rewards, render_mode, dialect, engine ...
 
     Agents are "agent_0", "agent_1", ... in the order of the vector environment's agent axis, left ones first. An
     observation belongs to the player that the agent's next action moves. All agents' episodes end in the same step.
-    `infos` are the same for all agents: `theta` `[D]`, the level played; `replaced`, whether a random valid level has
-    replaced an invalid one; `ended`, why the episode ended in this step, `constants.RUNNING` to `REJECTED`; for a
-    program with `record` also `records`, as in `FootballEnv`.
+    `infos` are the same for all agents: `theta` `[D]`, the θ of the level; `replaced`, whether a random valid level has
+    replaced an invalid one; `ended`, the reason why the episode ended in this step, `constants.RUNNING` to `REJECTED`;
+    and for a program with `record` statements `records`, as in `FootballEnv`.
 
     Attributes:
-        teams: "left" or "right" by agent.
-        state_space: of `state`; None if observations are "raw".
+        teams: "left" or "right" for each agent.
+        state_space: the space of `state`; None if observations are "raw".
     """
 
     metadata = {**FootballEnv.metadata, "name": "regista_football_v0", "is_parallelizable": True}  # noqa: RUF012
@@ -99,7 +101,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
             raise RuntimeError("no match is running; call reset() before step()")
         if actions.keys() != set(self.agents):
             raise ValueError(f"step() needs an action for each of {', '.join(self.agents)}, got {', '.join(actions)}")
-        chosen = [operator.index(actions[agent]) for agent in self.agents]  # refuses floats instead of truncating them
+        chosen = [operator.index(actions[agent]) for agent in self.agents]  # rejects floats instead of truncating them
         observation, reward, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
         agents, rewards = self.agents, info.pop("agent_rewards", [reward])
         if terminated or truncated:
@@ -142,7 +144,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
 
 def joined_space(space: Space, count: int) -> Box | None:
-    """Return the space of so many agents' concatenated observations; None if observations are not arrays."""
+    """Return the space of the concatenated observations of `count` agents; None if observations are not arrays."""
     if not isinstance(space, Box):
         return None
     return Box(

@@ -1,4 +1,4 @@
-"""Records of matches: initial states and the agents' actions, from which matches are replayed bit for bit.
+"""Records of matches: initial states and the agents' actions, enough to replay the matches bit for bit.
 
     recorder = Recorder(env)                  # a FootballVectorEnv that has been reset
     recorder.step(actions)                    # in place of env.step
@@ -6,7 +6,7 @@
     for matches in replay("match.npz"):       # MATCH [N] at the start and after every step
         ...
 
-A record is a NumPy archive without pickled objects: loading an untrusted one runs none of its code. Read next:
+A record is a NumPy archive without pickled objects, so loading an untrusted record runs no code from it. Read next:
 `vector_env`.
 """
 
@@ -27,14 +27,14 @@ from regista.envs.football.version import SIMULATOR_VERSION, UNNUMBERED, simulat
 from scenic_lite import ScenicError
 
 KIND = "regista match record"
-LARGEST = 2**31  # bytes of a record, uncompressed
+LARGEST = 2**31  # maximum bytes of a record, uncompressed
 FORMAT = f"{KIND} 4"
 MIXED = "a record holds whole matches, by step(), or one episode of each, by advance(); make another Recorder(env)"
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
 _LEVELS = ("levels", "visits", "episodes")
 _ARRAYS = ("actions", "last", *_STATE, *_LEVELS)
-_OPTIONAL = ("scripted", "lengths", "simulator")  # the first two: of demonstrations; the last: of our simulator
+_OPTIONAL = ("scripted", "lengths", "simulator")  # the first two only for demonstrations, the last not for GRF
 
 
 class RecordError(ValueError):
@@ -46,14 +46,14 @@ class Record:
     """The content of a record.
 
     Attributes:
-        program: the text of the program; `file`: its path ("" if none), from which a program with modules of its own
-            is loaded again.
+        program: the text of the program; `file`: its path ("" if none), to reload a program that imports modules of its
+            own.
         config: the settings of the environment.
         state: the environment's initial state, as `get_state` returns it.
         actions: `[T, N]` or `[T, N, A]`.
         last: MATCH `[N]` after the last step.
-        scripted: the program played the agents' players; `actions` holds what it did.
-        lengths: `[N]` steps of one episode each, after which a match is idle; None: every match plays all steps.
+        scripted: the program played the agents' players; `actions` holds its actions.
+        lengths: `[N]`, steps of each match's single episode, after which it is idle; None: every match plays all steps.
     """
 
     program: str
@@ -93,9 +93,9 @@ class Record:
 
 
 class Recorder:
-    """Steps an environment and records the actions, by `step` alone or by `advance` alone.
+    """Steps an environment and records the actions. Use either `step` or `advance`, not both.
 
-    Raises ValueError for an environment that draws new levels by itself (`level_sampler`), or that is not reset.
+    Raises ValueError for an environment that samples new levels by itself (`level_sampler`), or that is not reset.
     """
 
     def __init__(self, env: FootballVectorEnv) -> None:
@@ -133,7 +133,7 @@ class Recorder:
         return result
 
     def _note(self, actions: Any, info: dict[str, Any]) -> None:
-        """Keep the actions of a step: where the program plays the agents' players, those that it has chosen."""
+        """Store the actions of a step; if the program plays the agents' players, the program's actions."""
         self._actions.append(np.array(info["agent_actions"] if self.env.scripted else actions, np.int64))
 
     def record(self) -> Record:
@@ -142,7 +142,7 @@ class Recorder:
         assert shape is not None
         actions = np.array(self._actions, np.int64).reshape(len(self._actions), *shape)
         program = self.env.program
-        folder = program.mode.state.root  # of a program loaded from a file, whose modules are there
+        folder = program.mode.state.root  # the folder of a program loaded from a file, which holds its modules
         file = "" if folder is None else str((folder / program.file).resolve())
         lengths = self._lengths if self._single else None
         last = np.asarray(self.env.matches)
@@ -175,7 +175,7 @@ def save_record(record: Record, path: str | Path | BinaryIO) -> None:
 
 
 def load_record(path: str | Path) -> Record:
-    """Read a record. Raises `RecordError` for a file that is not a record, is damaged, or is of another version."""
+    """Read a record. Raises `RecordError` for a file that is not a record, is damaged, or has another version."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             if sum(member.file_size for member in archive.zip.infolist()) > LARGEST:
@@ -183,7 +183,7 @@ def load_record(path: str | Path) -> Record:
             arrays = {name: archive[name] for name in archive.files}
     except (FileNotFoundError, PermissionError, IsADirectoryError, RecordError):
         raise
-    except Exception as error:  # any exception that a damaged archive causes in NumPy
+    except Exception as error:  # a damaged archive may cause any exception in NumPy
         raise RecordError(f"{path} is not a record of a match, or it is damaged") from error
     stated = str(arrays.get("format"))
     if not stated.startswith(KIND):
@@ -208,7 +208,7 @@ def load_record(path: str | Path) -> Record:
 
 
 def _version(arrays: dict[str, np.ndarray]) -> int | None:
-    """Return the simulator version of a record, None for one of GRF."""
+    """Return the simulator version of a record, None for a record of GRF."""
     ours = version_on(json.loads(str(arrays["config"]))["engine"]) is not None
     return int(arrays.get("simulator", UNNUMBERED)) if ours else None
 
@@ -228,7 +228,7 @@ def _decoded(arrays: dict[str, Any]) -> Record:
     state = {name: array for name, array in arrays.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
     state["np_random"] = json.loads(random)
     # The sender of a record must not choose which Python runs on this machine.
-    settings = FootballConfig(**json.loads(config) | {"grf_python": None, "grf_workers": 0})  # the local ones
+    settings = FootballConfig(**json.loads(config) | {"grf_python": None, "grf_workers": 0})  # the local settings
     scripted = bool(np.all(arrays.get("scripted", False)))
     return Record(program, file, settings, state, actions, arrays["last"], scripted, lengths)
 
@@ -236,7 +236,7 @@ def _decoded(arrays: dict[str, Any]) -> Record:
 def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:
     """Replay a record: yield MATCH `[N]` at the start and after each of the T steps.
 
-    With `endings` matches that ended in a step are yielded in their final state, else after their restart. Raises
+    With `endings`, matches that ended in a step are yielded in their final state, otherwise after their restart. Raises
     `RecordError` as `load_record`, and at the end if the final matches differ from the recorded ones.
     """
     record = record if isinstance(record, Record) else load_record(record)
@@ -256,7 +256,7 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
             env.play_again(ended)
         if not endings:
             yield env.matches
-    if not same(env.matches, record.last):  # after the end of an episode, the start of the next one
+    if not same(env.matches, record.last):  # the final state, or the start of the next episode
         raise RecordError(
             "the replayed matches differ from the recorded ones: the mathematical functions of another "
             "machine can round differently"

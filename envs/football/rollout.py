@@ -1,6 +1,6 @@
 """Whole rollouts of matches in one kernel: policy, steps and new episodes without a return to Python.
 
-A match is stepped by the same kernels as in `batch`, so it plays the same. Read next: `kernels.rollout.play`.
+Matches are stepped by the same kernels as in `batch`, so the results are the same. Read next: `kernels.rollout.play`.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def play_matches(rollout, matches, outcome, seen):
 
 @kernel
 def note_match(rollout, outcome, settings, e):
-    """Record the results of a step; success is unknown (nan) if the program defines rewards."""
+    """Record the results of a step; success is unknown (NaN) if the program defines rewards."""
     rewards = rollout.steps.reward[rollout.counters[0].step, e]
     if len(rewards) > 1:
         copy(outcome.agent_rewards[e], rewards)

@@ -1,6 +1,6 @@
 """One step of a match: the decisions for all players, then ten stages of football.
 
-A step lasts 0.1 s and has one decision per player. Each stage is a function of another module and changes only MATCH.
+A step lasts 0.1 s and has one decision per player. Each stage is a function in another module and changes only MATCH.
 Read next: `state` for the record, then the stages in their order.
 """
 
@@ -36,8 +36,8 @@ from regista.kernels.jit import kernel
 def step_match(match, actions, code, cast, registers, commands):
     """Step a match by 0.1 s with the agents' `actions` [A] (0..18).
 
-    The other four arguments belong to the program (see `scenic.scripted_step`); None without one. An ended match stays
-    unchanged.
+    The other four arguments belong to the program (see `scenic.scripted_step`); they are None without a program. An
+    ended match stays unchanged.
     """
     if choose_actions(match, actions, code, cast, registers, commands):
         play(match)
@@ -129,7 +129,7 @@ def step_everybody(matches, actions):
 
 @kernel
 def _step_matches(matches, actions, everybody):
-    """Step matches one after the other: one kernel for both, since its compilation takes twenty seconds."""
+    """Step matches one after the other. Both callers share this kernel, since its compilation takes twenty seconds."""
     for e in range(len(matches)):
         match = matches[e]
         if everybody:

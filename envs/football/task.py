@@ -35,15 +35,15 @@ def football_task(
 
     Args:
         program: the training program.
-        tests: programs of test scenes by name, with as many players; loaded when they are first used.
-        held_out: the same for final tables.
+        tests: programs of test scenes by name, with the same number of players; loaded on first use.
+        held_out: the same, for final tables only.
         config: observations, control and rewards of the agents.
         make: called as `make(program, num_envs, config=config)`.
 
     Raises `NotAMatchError` for a program that describes no match.
     """
     lineup = Lineup(program, str(config.control), str(config.right_control), config.engine_spread)
-    ours = config.engine == "regista"  # a copy of GRF's matches for every scene would start its processes again
+    ours = config.engine == "regista"  # a second set of GRF matches for every scene would start its processes again
 
     def environments(programs: Programs | None) -> dict[str, Any]:
         return {name: partial(make, test, config=config) for name, test in (programs or {}).items()}
@@ -59,13 +59,13 @@ def football_task(
 
 
 class ShootPolicy(Untrained):
-    """Shoot at once: run at the goal and shoot in turns, since a kick is made when its action is released."""
+    """Shoot at once: alternate between running at the goal and shooting, since releasing the action kicks."""
 
     def __init__(self, agents: tuple[int, ...]) -> None:
         self.shot, self.agents = False, agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
-        """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
+        """Return one action for each row of `observation` `[N, size]`; with several agents one for each, `[N, A]`."""
         self.shot = not self.shot
         return np.full((len(observation), *self.agents), SHOT if self.shot else DIRECTION_RIGHT)
 
@@ -79,7 +79,7 @@ def _shoot(upomdp: Any) -> ShootPolicy:
 
 
 def _built_in(upomdp: Any) -> ScriptedPolicy:
-    """Return the policy that plays the agents' players by the program's behaviors, or by the built-in AI."""
+    """Return the policy in which the program's behaviors, or the built-in AI, play the agents' players."""
     return ScriptedPolicy(_agents(upomdp))
 
 

@@ -43,24 +43,23 @@ from ued.core.upomdp import UPOMDP, check_count
 
 
 class FootballVectorEnv(UPOMDP):
-    """N football matches in which A agents move players; by default one agent moves the left player closest to the
-    ball.
+    """N football matches with A agents; by default one agent moves the left player closest to the ball.
 
-    The program's behaviors move their players, except those that an agent moves; the built-in AI moves the rest. One
-    agent has actions `[N]` and observations without an axis for agents, several have actions `[N, A]`.
+    The program's behaviors move their players, except those that an agent moves; the built-in AI moves the rest. With
+    one agent, actions are `[N]` and observations have no agent axis; with several, actions are `[N, A]`.
 
     Args:
         program: a compiled program, the path of one, or its text.
         num_envs: N.
-        config: observation, reward, and the players that agents move (see `control_modes`).
+        config: observations, rewards, and the players that agents move (see `control_modes`).
 
-    Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a
-    possession change or out of play is terminated, as by the program's `terminate`; one that reaches `game_duration` or
-    violates a requirement of the program is truncated. Infos:
+    Actions are Google Research Football's 19; `observation` lists the observations. A match is terminated by a goal, a
+    possession change, the ball out of play, or the program's `terminate`. It is truncated at `game_duration`, or if it
+    violates a requirement of the program. Infos:
 
     - `info["ended"]` `[N]`: the reason of the end, `constants.RUNNING` to `REJECTED`.
     - `info["success"]` `[N]`: the agents' team has scored more goals than the other, or with `param defending = True`
-      has conceded none; NaN if the program defines rewards: then a return above 0 is a success.
+      has conceded none. NaN if the program defines rewards; a return above 0 is then a success.
     - `info["agent_rewards"]` `[N, A]`: each agent's reward, including the `scenic_reward` of monitors; `rewards` `[N]`
       is the mean over the left team's agents.
     - `info["agent_actions"]` `[N, A]`: the agents' actions, -1 if none of the 19 describes the step
@@ -68,7 +67,7 @@ class FootballVectorEnv(UPOMDP):
     - `info["records"]`: the values recorded in the step, by name: `[N]`, vectors `[N, 2]`, NaN where none was recorded
       (None for values that are not numbers).
 
-    A UserWarning names each line that is probably a mistake (`Program.warnings`) or that would fail in any match that
+    A UserWarning names each line that is probably a mistake (`Program.warnings`), or that fails in every match that
     reaches it.
 
     Raises:
@@ -77,7 +76,7 @@ class FootballVectorEnv(UPOMDP):
         lineup.NotAMatchError: a program that does not describe a match.
     """
 
-    seed_is_luck = True  # θ fixes the scene; all draws during a match, also by the program, are luck
+    seed_is_luck = True  # θ fixes the scene; all draws during a match, also by the program, depend on the seed
 
     def __init__(
         self,
@@ -95,7 +94,7 @@ class FootballVectorEnv(UPOMDP):
         self._set_up(num_envs)
 
     def _set_up(self, num_envs: int) -> None:
-        """Create spaces and arrays for so many matches of the program."""
+        """Create spaces and arrays for `num_envs` matches of the program."""
         config, num_envs, self.theta_map = self.config, check_count(num_envs), self.program
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
@@ -122,7 +121,7 @@ class FootballVectorEnv(UPOMDP):
         seen = self._batch.minimap_agents[:1].size
         self._limits["minimap_agents"] = Limits.of_array(seen, dict.fromkeys(range(seen), WHO), self.lineup.counts)
         self._begun = np.zeros(num_envs, bool)
-        self.scripted = False  # the program plays the agents' players: see `with_scripted_policy`
+        self.scripted = False  # whether the program plays the agents' players: see `with_scripted_policy`
 
     @property
     def matches(self) -> np.ndarray:
@@ -131,7 +130,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def individual_rewards(self) -> bool:  # type: ignore[override]
-        """Whether both teams have agents: they are opponents, and learn by self-play."""
+        """Whether both teams have agents, which are then opponents that learn by self-play."""
         return all(self.lineup.num_agents)
 
     @property
@@ -141,7 +140,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The program's `game_duration`; its maximum if it is a column of θ or follows from one, else None."""
+        """The program's `game_duration`, or its maximum if it depends on θ; None if the maximum is unknown."""
         return self.lineup.longest_game
 
     @property
@@ -160,10 +159,10 @@ class FootballVectorEnv(UPOMDP):
         self._initial_states.prefetch(levels)
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ `[count, D]` uniformly.
+        """Sample valid θ `[count, D]` uniformly.
 
         Raises:
-            ScenicError: with the rejection report, if none is found.
+            ScenicError: no valid θ was found; the message contains the rejection report.
         """
         return self.program.sample_theta(count, self.np_random)
 
@@ -223,7 +222,7 @@ class FootballVectorEnv(UPOMDP):
         self._report_faults()
 
     def observe(self) -> Any:
-        """Return the present observations, in new arrays."""
+        """Return the current observations in new arrays."""
         seen = self._observer.allocate(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
@@ -231,7 +230,8 @@ class FootballVectorEnv(UPOMDP):
     def program_actions(self) -> np.ndarray:
         """Return the actions that the program's behaviors would choose for the agents' players next: `[N]` or `[N, A]`.
 
-        The environment does not change. The action is 0 for a player without a behavior, or left to the built-in AI.
+        The environment does not change. The action is 0 for a player that has no behavior or is left to the built-in
+        AI.
         """
         actions = np.zeros((self.num_envs, self.num_agents), np.int64)
         if self.behaviors.is_live:
@@ -255,7 +255,7 @@ class FootballVectorEnv(UPOMDP):
         return np.require(array.reshape(self.num_envs, self.num_agents), np.int64, ("C", "W"))
 
     def _report_faults(self) -> None:
-        """Begin the next episode of the matches that have failed, and raise the error of the first of them."""
+        """Begin the next episode of the matches that have failed, and raise the error of the first failed match."""
         faulted = self._outcome.faults != NO_FAULT
         index, batch = int(np.flatnonzero(faulted)[0]), self._batch
         match, level = batch.matches[index], self.levels[index]
@@ -300,7 +300,7 @@ class FootballVectorEnv(UPOMDP):
         self._engine.check_state(state, self.num_envs)
         self.set_level_state(state)
         for name, array in pairs.items():
-            bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
+            bytes_of(array)[:] = bytes_of(state[name])  # as bytes, since a copy field by field takes ten times as long
         self._engine.set_state(state, batch)
         self._begun[:] = np.asarray(batch.matches)["num_players"] > 0
         return self.observe()
@@ -308,9 +308,9 @@ class FootballVectorEnv(UPOMDP):
     def with_scripted_policy(self) -> FootballVectorEnv:
         """Return a copy in which the program's behaviors, or the built-in AI, play the agents' players.
 
-        It begins new episodes of the same levels and ignores actions. Agents keep their players and observations;
-        `info["agent_actions"]` holds one action per step for each: the main one of a command of several actions, or
-        the one nearest to the built-in AI's decision.
+        The copy begins new episodes of the same levels and ignores actions. Agents keep their players and observations;
+        `info["agent_actions"]` holds one action per agent and step: the main action of the program's command, or the
+        action nearest to the built-in AI's decision.
         """
         twin = self.copy()
         twin.scripted = True
@@ -318,7 +318,7 @@ class FootballVectorEnv(UPOMDP):
         return twin
 
     def resized(self, num_envs: int) -> FootballVectorEnv:
-        """Return an environment of the same program and settings, not yet reset, with so many matches.
+        """Return an environment with `num_envs` matches of the same program and settings, not yet reset.
 
         It shares the line-up and the compiled behaviors, which take longest to create.
         """
@@ -341,7 +341,7 @@ class FootballVectorEnv(UPOMDP):
 
 
 def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehaviors, num_envs: int) -> Engine:
-    """Make the engine for so many matches. Raises `envs.grf.workers.GrfError` if GRF is not installed."""
+    """Make the engine for `num_envs` matches. Raises `envs.grf.workers.GrfError` if GRF is not installed."""
     if config.engine == "grf":
         from regista.envs.grf.engine import GrfEngine
 
@@ -358,7 +358,7 @@ def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
     """Raise `StateError` unless the arrays of a state have the expected shapes and fields."""
     for name, array in expected.items():
         value = state.get(name) if isinstance(state, dict) else None
-        kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
+        kind = array.dtype.fields or array.dtype  # a record array and a plain array have the same fields
         if isinstance(value, np.ndarray):
             if value.shape == array.shape and (value.dtype.fields or value.dtype) == kind:
                 continue
@@ -372,9 +372,9 @@ def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
 
 
 def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVectorEnv:
-    """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects.
+    """Make the native batch for `gymnasium.make_vec`: a new random level in every episode.
 
-    `settings` are those of `FootballConfig`.
+    `settings` are the fields of `FootballConfig`.
     """
     env = FootballVectorEnv(program, num_envs, config=FootballConfig(**settings))
     env.level_sampler = env.sample_levels

@@ -4,9 +4,10 @@
     Workers       Google Research Football plays them                                               in its processes
     finish_row    GRF's observations become our record; endings, rewards, monitors, observations    in our kernels
 
-A team that only the built-in AI moves needs no agent in GRF. A team with one `active` agent, in which no behavior moves
-a player, needs one. Any other team needs one agent for each player; a player without a command takes action 19, which
-returns it to the AI. The AI then kicks for the player: in a team with one agent it leaves the ball to that agent.
+A team that only the built-in AI moves needs no agent in GRF. A team with one `active` agent needs one, if no behavior
+moves its players. Any other team needs one agent for each player. A player without a command then takes action 19,
+which returns it to the AI, and the AI also kicks for that player. In a team with one agent, the AI leaves the ball to
+that agent.
 Read next: `grf.workers`.
 """
 
@@ -34,7 +35,7 @@ from regista.envs.grf.observed_batch import begin_rows, finish_rows, read_starts
 from regista.envs.grf.worker import ROWS, TEAM
 from regista.envs.grf.workers import Episode, Workers, grf_python, shared_workers
 
-# Meters per scenario unit for players, whom GRF spreads a little; the ball uses the units of observations.
+# Meters per scenario unit for players, whose positions GRF stretches a little; the ball uses the units of observations.
 PLAYER_X, PLAYER_Y = 55.0, -36.0 * 2.36
 SETTINGS = (
     *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
@@ -43,7 +44,7 @@ SETTINGS = (
 )
 
 
-EPISODES = ("grf_matches", "grf_seeds", "grf_checks", "grf_lengths", "grf_actions")  # of a state
+EPISODES = ("grf_matches", "grf_seeds", "grf_checks", "grf_lengths", "grf_actions")  # of a state, besides the batch
 
 
 class GrfEngine:
@@ -63,7 +64,7 @@ class GrfEngine:
         self._controllers = np.zeros((count, 2), np.int64)  # number of GRF agents per team, for each match
         python = grf_python(config.grf_python)
         self._workers = shared_workers(python, config.grf_workers or len(os.sched_getaffinity(0)))
-        self._played: dict[int, Episode] = {}  # by match
+        self._played: dict[int, Episode] = {}  # the episodes in GRF, by match
         self._workers.enter()
         self.close = weakref.finalize(self, _let_go, self._workers, self._played)
 
@@ -161,7 +162,7 @@ class GrfEngine:
 def scenario_settings(lineup: Lineup, start: np.ndarray) -> dict[str, Any]:
     """Return the scenario settings of an episode that begins as this record MATCH.
 
-    GRF plays one step more than its duration (it loses the first action); ours plays as many as the program specifies.
+    GRF plays one step more than its duration (it loses the first action); our simulator plays exactly the duration.
     """
     settings = {name: np.asarray(getattr(lineup.config, name)).item() for name in SETTINGS}
     for name in set(SETTINGS).intersection(lineup.random_settings):
@@ -173,14 +174,14 @@ def scenario_settings(lineup: Lineup, start: np.ndarray) -> dict[str, Any]:
 
 
 def difficulty_of(name: str, start: np.ndarray) -> float:
-    """Return the difficulty of the left or right team, from which its players' skill derives."""
+    """Return the difficulty of the left or right team, computed from the skill of its players."""
     players = start["players"][: int(start["num_players"])]
     skills = players["skill"][players["team"] == (LEFT if name.startswith("left") else RIGHT)]
     return round((float(skills[0]) - 0.3) / 0.7, 12) if len(skills) else float(getattr(MatchConfig(), name))
 
 
 def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
-    """Return for both teams whether behaviors of the program move players that no agent controls."""
+    """Return for each team whether behaviors may command its players; `agents_only` excludes teams with agents."""
     compiled = behaviors.compiled
     objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.overridden}
     players = {int(lineup.object_to_player[number]) for number in objects}
@@ -198,14 +199,14 @@ def check_settings(lineup: Lineup) -> None:
 
 
 def warn_of_factors(lineup: Lineup) -> None:
-    """Warn of parameters that vary our simulator; only `sticky_noise`, which repeats actions, varies GRF, too."""
+    """Warn of engine-variation parameters without effect in GRF: all but `sticky_noise`, which repeats actions."""
     for name in sorted((FACTORS | {"engine_spread"}) - {"sticky_noise"}):
         if name in lineup.program.param_places:
             warnings.warn(f"param {name} of {lineup.program.file} has no effect in GRF", stacklevel=2)
 
 
 def check_keepers(lineup: Lineup) -> None:
-    """Raise NotAMatchError for a team without a keeper that has no free place for one."""
+    """Raise NotAMatchError for a full team without a keeper: GRF needs one."""
     teams, roles = np.asarray(lineup.roster.teams), np.asarray(lineup.roster.roles)
     for team, name in ((LEFT, "left"), (RIGHT, "right")):
         if np.count_nonzero(teams == team) == MAX_PLAYERS // 2 and not (roles[teams == team] == GK).any():
@@ -223,7 +224,7 @@ def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
 
 
 def draw_seeds(matches: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Draw a seed for the engine from each match's stream: `[k]` int64."""
+    """Draw a seed for GRF from each match's random stream: `[k]` int64."""
     seeds = np.zeros(len(where), np.int64)
     write_seeds(matches, where, seeds)
     return seeds

@@ -11,7 +11,7 @@ from regista.envs.grf.observed_match import read_start, read_step
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-SEEDS = 2_000_000_000  # range of seeds from which GRF's own environment draws
+SEEDS = 2_000_000_000  # GRF's own environment draws seeds from this range
 
 
 @kernel
@@ -30,7 +30,7 @@ def begin_rows(batch, actions, settings, code, playing):
 
 @kernel
 def read_starts(batch, where, observed, controllers, settings):
-    """Write matches that GRF has begun, OBSERVED [k], into the records `where` [k]."""
+    """Write the initial states of matches in GRF, OBSERVED [k], into the records `where` [k]."""
     for at in range(len(where)):
         index = where[at]
         read_start(batch.matches[index], observed[at], controllers[index])
@@ -39,7 +39,7 @@ def read_starts(batch, where, observed, controllers, settings):
 
 @kernel
 def read_steps(batch, where, observed, controllers, settings, code):
-    """Write what GRF has played, OBSERVED [k], into the records `where` [k], and run the monitors on it."""
+    """Write the results of GRF's step, OBSERVED [k], into the records `where` [k], and run the monitors."""
     for at in range(len(where)):
         index = where[at]
         read_step(batch.matches[index], observed[at], controllers[index])

@@ -1,7 +1,7 @@
 """From GRF's observations to our record of a match, so that all code based on MATCH works on both engines.
 
 Fields that GRF does not report keep their initial values: the facing of standing players, and players on the ground.
-A requested kick follows from the actions, as in our simulator, and its end from the ball's velocity.
+Requested kicks are derived from the actions, as in our simulator, and the time of the kick from the ball's velocity.
 Read next: `regista.envs.football.state`, the record; `grf.worker`, GRF's record.
 """
 
@@ -32,23 +32,23 @@ from regista.envs.football.physics.vectors import length
 from regista.envs.grf.worker import TEAM
 from regista.kernels.jit import kernel
 
-STANDING = 0.3  # m/s below which a body's velocity does not give its facing
+STANDING = 0.3  # m/s; below, a player's velocity does not define the facing
 
 
 class Kicked(NamedTuple):
-    """How a kick is recognized one step later; unlike a carrier's touch, at most 5 m/s off the player."""
+    """How a kick is recognized a step later; a carrier's touch gives the ball at most 5 m/s relative to the player."""
 
     faster: float = 7.0  # m/s, ball relative to player
-    within: float = 5.0  # m between them
+    within: float = 5.0  # m between ball and player
 
 
 KICKED = Kicked()
-IN_HANDS = 0.5  # m, height of the ball from which a keeper who owns it holds it
+IN_HANDS = 0.5  # m; a keeper who owns a ball at this height or above holds it
 
 
 @kernel
 def read_start(match, seen, controllers):
-    """Write a match that GRF has just begun into its record, which `kick_off` has filled."""
+    """Write the initial state of a match in GRF into its record, which `kick_off` has filled."""
     _read_bodies(match, seen)
     _read_owner(match, seen)
     read_agents(match, seen, controllers)
@@ -56,7 +56,7 @@ def read_start(match, seen, controllers):
 
 @kernel
 def read_step(match, seen, controllers):
-    """Write the result of a step into the record: everything that our own step writes before the monitors run."""
+    """Write the result of a step into the record: all fields that our simulator writes before the monitors run."""
     match.step += 1
     _read_bodies(match, seen)
     match.goal = 0
@@ -133,7 +133,7 @@ def follow_kicks(match):
 
 @kernel
 def kicked(match, player):
-    """Return whether the ball has just left a player's foot: it is faster than a carrier's touch would make it."""
+    """Return whether the ball has just left a player's foot: it is faster than after a carrier's touch."""
     ball = match.ball
     away = length(ball.x - player.x, ball.y - player.y)
     return away < KICKED.within and length(ball.vx - player.vx, ball.vy - player.vy) > KICKED.faster

@@ -1,7 +1,7 @@
 """The process that runs Google Research Football (GRF): it reads requests from stdin, plays, and answers on stdout.
 
-Only this file runs under the Python that has gfootball. It needs gfootball, NumPy and the standard library.
-Regista imports it for the message format, which both sides share:
+Only this file runs under the Python that has gfootball. It needs gfootball, NumPy and the standard library. Regista
+imports this file, too, for the message format:
 
     b"RGRF"  size of the header  size of the body     HEAD, 12 bytes
     header                                            JSON; "arrays" lists [name, dtype, shape] of the arrays in the
@@ -12,10 +12,10 @@ Regista imports it for the message format, which both sides share:
     begin slots scenes seeds, lengths [K], actions [sum of lengths, 22]     -> observed [K]
     step slots, actions [K, 22]                                             -> observed [K]
 
-Every request gives a time limit in `seconds`: the system ends a process that takes longer, even if GRF hangs. When the
-parent process is gone, this process ends within a second, even if another process still holds a copy of its stdin.
-A request may list slots to `forget`. `begin` resets each slot's engine to its scene and replays the actions it
-receives, which restores an interrupted episode. A failed request is answered by an "error".
+Every request gives a time limit in `seconds`: the operating system ends a process that takes longer, even if GRF hangs.
+This process ends within a second of its parent, even if another process still holds a copy of its stdin. A request may
+list slots to `forget`. `begin` resets each slot's engine to its scene and replays the actions it receives, which
+restores an interrupted episode. A failed request is answered by an "error".
 Read next: `grf.workers`, the other end.
 """
 
@@ -41,21 +41,21 @@ MAGIC = b"RGRF"
 HEAD = struct.Struct("<4sII")
 LARGEST = 1 << 28  # bytes of a header or a body; a larger message is invalid
 
-GRACE = 2  # s after its time limit at which a process ends itself
+GRACE = 2  # s between a request's time limit and the end of the process
 
-TEAM = 11  # rows of a team: left players 0 to 10, right players 11 to 21, whether present or not
+TEAM = 11  # rows of a team: left players 0 to 10, right players 11 to 21, including absent players
 ROWS = 2 * TEAM
 ROLES = ("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")
-LEVEL = "regista_scene"  # of gfootball.scenarios; exists in memory only
-BASE = 20  # several actions of one player are digits in this base, the first is the highest
+LEVEL = "regista_scene"  # name of the scenario module in gfootball.scenarios; it exists in memory only
+BASE = 20  # several actions of one player are digits in this base, the first action is the highest digit
 
 # GRF needs a keeper as the first player of each team. A team without one gets a hidden keeper, who stands still in the
 # corner where GRF puts the keeper of an empty team.
 ABSENT_KEEPER = (-1.0, 0.42, 0, True, False)
 
 # One player and one match as GRF reports them, in its units and frame: y points down, the left team attacks +x. Every
-# field has eight bytes, so that equal records are equal bytes. `controller`: the number of the agent, within its team,
-# that controls the player, or -1; the sticky actions are that agent's.
+# field has eight bytes, so that equal records are equal bytes. `controller` is the number of the agent in its team
+# that controls the player, or -1; the sticky actions are those of that agent.
 PLAYER_SEEN = np.dtype(
     [
         *((name, "f8") for name in ("x", "y", "dx", "dy", "tired")),
@@ -92,7 +92,7 @@ def pack(message: dict[str, Any], **arrays: np.ndarray) -> bytes:
 
 
 def unpack(read: Callable[[int], bytes]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Read one message; `read(n)` returns exactly n bytes. Raises ProtocolError for an invalid one."""
+    """Read one message; `read(n)` returns exactly n bytes. Raises ProtocolError for an invalid message."""
     magic, size, rest = HEAD.unpack(read(HEAD.size))
     if magic != MAGIC or size > LARGEST or rest > LARGEST:
         raise ProtocolError(f"expected a message, got bytes that begin with {magic!r}")
@@ -143,7 +143,7 @@ class Match:
         self.reward, self.done = 0.0, False
 
     def step(self, actions: np.ndarray) -> None:
-        """Play a step with an action for every row `[22]`; rows without an agent are ignored."""
+        """Play a step with an action for every row `[22]`; actions of rows without an agent are ignored."""
         observed, first = self.core._observation, []
         for team, side in enumerate(("left", "right")):
             for agent, player in enumerate(observed[f"{side}_agent_controlled_player"]):
@@ -155,7 +155,7 @@ class Match:
         _, self.reward, self.done, _ = self.core.step(first)
 
     def observe(self, seen: np.ndarray) -> None:
-        """Write the present match into `seen`, OBSERVED `[1]`."""
+        """Write the current state into `seen`, OBSERVED `[1]`."""
         observed = self.core._observation
         for name in ("ball", "ball_direction", "ball_rotation", "game_mode", "steps_left", "score"):
             seen[name] = observed[name]
@@ -170,7 +170,7 @@ class Match:
             first = self.observe_team(seen, observed, team, side, first)
 
     def observe_team(self, seen: np.ndarray, observed: dict[str, Any], team: int, side: str, first: int) -> int:
-        """Write the players of a team and of its agents, numbered from `first`; return the next team's first agent."""
+        """Write a team's players and its agents, numbered from `first`; return the next team's first agent."""
         hidden = self.hidden[team]
         players = seen["players"][0, TEAM * team : TEAM * team + len(observed[f"{side}_team"]) - hidden]
         players["x"], players["y"] = observed[f"{side}_team"][hidden:].T
@@ -193,12 +193,12 @@ class Match:
         return first + len(chosen)
 
     def close(self) -> None:
-        """Close the engine, so that the next match can use it."""
+        """Close the engine, so that another match can use it."""
         self.core.close()
 
 
 def digits(actions: int) -> list[int]:
-    """Return several actions that are digits of one number, the first highest."""
+    """Return the actions whose digits form one number, the highest digit first."""
     last_first = [actions % BASE]
     while actions >= BASE:
         actions //= BASE
@@ -256,7 +256,7 @@ class Server:
         return pack({}, observed=observed)
 
     def begin(self, request: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
-        """Reset the slots to their scenes, and replay their episodes so far."""
+        """Reset the slots to their scenes, and replay the given actions."""
         played = np.split(arrays["actions"], np.cumsum(arrays["lengths"])[:-1])
         for at, slot in enumerate(request["slots"]):
             self.forget(slot)
@@ -271,16 +271,16 @@ class Server:
 
 
 def engine_version() -> str:
-    """Return the version of gfootball, which this imports."""
+    """Import gfootball and return its version."""
     from importlib.metadata import version
 
-    import gfootball.env.football_env_core  # noqa: F401 (an engine that cannot be loaded is reported now)
+    import gfootball.env.football_env_core  # noqa: F401 (fails here if the engine cannot be loaded)
 
     return version("gfootball")
 
 
 def read_exactly(stream: Any, count: int) -> bytes:
-    """Read so many bytes; exit at the end of the stream, since the parent process is gone."""
+    """Read `count` bytes; exit at the end of the stream, since the parent process has ended."""
     data = stream.read(count)
     if len(data) < count:
         raise SystemExit(0)

@@ -1,8 +1,8 @@
 """Worker processes that run GRF: each plays some of the episodes of a batch.
 
-Scene, seed and actions determine an episode: GRF replays it bit for bit. So if the process that played an episode is
-gone (it died, hung, or sent an invalid answer, or the environment was copied or resumed), another process replays the
-episode and continues it.
+Scene, seed and actions determine an episode: GRF replays it bit for bit. If a process dies, hangs or sends an invalid
+answer, another process replays its episodes and continues them. Copied and resumed environments replay their episodes
+in the same way.
 
 Environments share the processes, which end with the last environment that uses them.
 Read next: `grf.worker`, the process.
@@ -31,9 +31,9 @@ from regista.envs.grf import worker
 from regista.envs.grf.worker import OBSERVED, PROTOCOL, ROWS, pack, unpack
 
 START_SECONDS = 120.0  # for a new worker to load GRF
-ANSWER_SECONDS = 60.0  # for an answer, plus
-STEP_SECONDS = 0.5  # for each step of the request, on a busy machine
-MOST_DEATHS = 3  # of one worker during one request
+ANSWER_SECONDS = 60.0  # s for an answer, plus STEP_SECONDS for each step of the request
+STEP_SECONDS = 0.5  # s, on a busy machine
+MOST_DEATHS = 3  # maximum deaths of one worker during one request
 MOST_ENGINES = 32  # per worker, about 55 MB each, unless one request needs more
 LAST_WORDS = 1500  # characters of stderr that an error quotes
 
@@ -51,7 +51,7 @@ class WorkerGoneError(Exception):
 
 
 def grf_python(chosen: str | None = None) -> Path:
-    """Return the Python that has gfootball: the configured one, that of the environment, or where `make grf` puts it.
+    """Return the Python that has gfootball: from the config, the environment variable, or `make grf`.
 
     Raises GrfError if there is none.
     """
@@ -64,10 +64,10 @@ def grf_python(chosen: str | None = None) -> Path:
 
 @dataclass(eq=False)
 class Episode:
-    """One match from its start, with all that is needed to replay it.
+    """One match from its start, with all data needed to replay it.
 
-    `actions` holds those of each step played, int64 `[22]` each; `check` is the checksum of the last observation, which
-    a replay must reproduce.
+    `actions` holds the actions of each step, int64 `[22]`. `check` is the checksum of the last observation, which a
+    replay must reproduce.
     """
 
     scene: dict[str, Any]
@@ -75,7 +75,7 @@ class Episode:
     actions: list[np.ndarray] = field(default_factory=list)
     check: int | None = None
     slot: int = field(default_factory=itertools.count().__next__)
-    life: object = None  # of the worker that has it in memory
+    life: object = None  # `WorkerProcess.life` of the worker that has the episode in memory
 
 
 class WorkerProcess:
@@ -86,11 +86,11 @@ class WorkerProcess:
         self.process: subprocess.Popen | None = None
         self.life: object = None
         self.held: dict[int, Episode] = {}  # by slot, the most recently played one last
-        self.forgotten: list[int] = []  # slots to give up with the next request
+        self.forgotten: list[int] = []  # slots to free with the next request
         self._log: Any = None
 
     def ask(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
-        """Send a request that must be answered within so many seconds. Raises WorkerGoneError."""
+        """Send a request that must be answered within `seconds`. Raises WorkerGoneError."""
         if self.process is None:
             self._start()
         forgotten, self.forgotten = self.forgotten, []
@@ -107,7 +107,7 @@ class WorkerProcess:
         return message, arrays
 
     def hold(self, episodes: Sequence[Episode]) -> None:
-        """Mark these episodes as played now; if there are too many engines, give up the least recently played ones."""
+        """Mark these episodes as played last; if there are too many engines, free the least recently played ones."""
         for episode in episodes:
             self.held.pop(episode.slot, None)
             self.held[episode.slot] = episode
@@ -115,7 +115,7 @@ class WorkerProcess:
             self.give_up(next(iter(self.held.values())))
 
     def give_up(self, episode: Episode) -> None:
-        """Free the engine of an episode; if the episode is played again, it is replayed first."""
+        """Free the engine of an episode; a later step first replays the episode."""
         if self.held.pop(episode.slot, None) is not None:
             self.forgotten.append(episode.slot)
             episode.life = None
@@ -158,14 +158,14 @@ class WorkerProcess:
         except OSError as error:
             raise GrfError(f"{self.python} cannot be started: {error}") from error
         assert self.process.stdin is not None
-        os.set_blocking(self.process.stdin.fileno(), False)  # the pipe to a hung worker stays full
+        os.set_blocking(self.process.stdin.fileno(), False)  # writes must not block if a hung worker's pipe is full
         self.life = object()
         try:
             self._send({"do": "hello"}, START_SECONDS)
             message, _ = self.answer()
             if message.get("protocol") != PROTOCOL:
                 raise GrfError(f"the GRF worker uses protocol version {message.get('protocol')}, expected {PROTOCOL}")
-        except BaseException:  # it is not one of our workers, or the wait was interrupted
+        except BaseException:  # an invalid greeting, or an interrupted wait
             self.kill()
             raise
 
@@ -204,7 +204,7 @@ class Workers:
     def __init__(self, python: Path, count: int) -> None:
         self.processes = [WorkerProcess(python) for _ in range(count)]
         self._owner = os.getpid()
-        self._users = 0  # environments that are not closed
+        self._users = 0  # number of open environments
 
     def enter(self) -> None:
         """Register one more environment that uses these processes."""
@@ -223,7 +223,7 @@ class Workers:
         return self._serve(episodes, None)
 
     def play(self, episodes: Sequence[Episode], actions: np.ndarray) -> np.ndarray:
-        """Play a step of each with actions `[K, 22]`; return OBSERVED `[K]`."""
+        """Play a step of each episode with actions `[K, 22]`; return OBSERVED `[K]`."""
         observed = self._serve(episodes, actions)
         for episode, own, seen in zip(episodes, actions, observed, strict=True):
             episode.actions.append(own.copy())
@@ -236,7 +236,7 @@ class Workers:
             self._home(episode).give_up(episode)
 
     def close(self) -> None:
-        """End all processes; a later request starts them again. A forked process leaves its parent's workers alone."""
+        """End all processes; a later request restarts them. A forked process does not end its parent's workers."""
         for process in self.processes if os.getpid() == self._owner else ():
             process.kill()
 
@@ -257,7 +257,7 @@ class Workers:
                 waiting = {process: waiting[process] for process in failed}
                 if not waiting:
                     return observed
-        except BaseException:  # a pending answer would be taken for that of the next request
+        except BaseException:  # otherwise the pending answer would be read as that of the next request
             for process in self.processes:
                 process.kill()
             raise
@@ -271,7 +271,7 @@ class Workers:
     def _bring_back(
         self, waiting: dict[WorkerProcess, list[int]], episodes: Sequence[Episode], observed: np.ndarray
     ) -> dict[WorkerProcess, str]:
-        """Let workers begin or replay the episodes that they do not have; return failed workers, with reasons."""
+        """Let workers begin or replay the episodes that they do not hold; return failed workers, with reasons."""
         rounds = _Round()
         for process, indices in waiting.items():
             process.hold([episodes[i] for i in indices])
@@ -372,7 +372,7 @@ _SHARED: dict[tuple[int, Path, int], Workers] = {}
 
 
 def shared_workers(python: Path, count: int) -> Workers:
-    """Return the workers of this process for one Python and number; all environments share them."""
+    """Return this process's workers for a Python and a number of workers; all environments share them."""
     key = os.getpid(), python, count  # a forked process has its own workers
     if key not in _SHARED:
         _SHARED[key] = Workers(python, count)

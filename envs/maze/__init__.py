@@ -13,7 +13,7 @@ direction it faces, and is rewarded for reaching the goal early. Dynamics and vi
 | actions | left, right, forward | MiniGrid's first three; its other four do nothing in a maze without objects |
 | steps | 250 | DCD `max_steps=250`, JaxUED `max_steps_in_episode=250` |
 | reward | 1 - 0.9 t / T at the goal | MiniGrid `_reward`, the same in JaxUED and minimax |
-| time limit | truncation, whose value is bootstrapped | DCD `handle_timelimits=true`; JaxUED, minimax: one `done` |
+| time limit | truncation, with bootstrapped value | DCD `handle_timelimits=true`; JaxUED, minimax: one `done` |
 
 Two things differ from the sources. Their agents have seven actions, four of which do nothing. In JaxUED and minimax an
 agent that reaches the goal stays in the cell before it. In this package it moves onto the goal, as in MiniGrid. In both

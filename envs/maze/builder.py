@@ -1,18 +1,18 @@
 """Building mazes step by step: the adversary's side of PAIRED's mazes, with the rules of DCD.
 
 The rules are those of `AdversarialEnv.step_adversary` in DCD's `envs/multigrid/adversarial.py`, which is PAIRED's own
-code. An action is a cell. The first one is where the goal goes, the second one where the agent goes, and the others
-place walls (`choose_goal_last=False`). With `goal_last` walls come first (DCD's `GoalLast` environments, on which its
-published rows for PAIRED were trained).
+code. An action is a cell. The first action places the goal, the second one the agent, and the others place walls
+(`choose_goal_last=False`). With `goal_last` walls come first, as in DCD's `GoalLast` environments, which DCD used for
+its published PAIRED results.
 
-- A wall in the cell of a wall, the goal or the agent does nothing. So fewer walls than steps are possible.
+- A wall in the cell of a wall, the goal or the agent has no effect, so a maze may have fewer walls than steps.
 - A goal or an agent in the cell of a wall removes the wall.
 - An agent in the cell of the goal goes to a random free cell instead.
-- With a random number of walls, the first action decides it, too: cell c of C allows c M / C of M walls
-  (`resample_n_clutter`). The last actions then do nothing.
+- With a random number of walls, the first action also determines that number: cell c of C allows c M / C of M walls
+  (`resample_n_clutter`). The remaining actions then have no effect.
 - The direction of the agent is random, not chosen.
 
-Observed are walls, goal and agent, one plane of cells each, and the direction. Read next: `levels`, the family.
+An observation holds walls, goal and agent, one plane of cells each, and the direction. Read next: `levels`, the family.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ import numpy as np
 from regista.envs.maze.grid import DIRECTIONS
 from ued.core.cells import bin_center
 
-NOWHERE = -1  # of a goal or an agent that is not placed yet
+NOWHERE = -1  # the cell of a goal or an agent that is not placed yet
 
 
 @dataclass
 class Sites:
-    """n mazes under construction, which all have had the same number of steps; cells are numbered row by row."""
+    """n mazes under construction, all after the same number of steps; cells are numbered row by row."""
 
     walls: np.ndarray  # [n, C] bool
-    goal: np.ndarray  # [n] its cell, or NOWHERE
+    goal: np.ndarray  # [n] the cell of the goal, or NOWHERE
     start: np.ndarray  # [n] the cell of the agent, or NOWHERE
-    limit: np.ndarray  # [n] steps after which nothing is placed
-    luck: np.ndarray  # [n] int64: decides the direction, and the free cell of an agent placed on the goal
+    limit: np.ndarray  # [n] number of steps; later steps place nothing
+    luck: np.ndarray  # [n] int64: determines the direction, and the free cell of an agent placed on the goal
     step: int = 0
 
 
@@ -44,7 +44,7 @@ class MazeBuilder:
 
     Args:
         side: S.
-        num_walls: walls that may be placed.
+        num_walls: the maximum number of walls.
         random_count: let the first action limit their number.
         goal_last: place goal and agent in the last two steps, instead of the first two.
     """
@@ -102,7 +102,7 @@ def bins(side: int) -> np.ndarray:
 
 
 def _random_free(levels: Sites, where: np.ndarray) -> np.ndarray:
-    """Return a random cell without wall and goal for each of the mazes `where`; any but the goal's if all are walls."""
+    """Return a random cell without wall or goal for each maze of `where`; if all are walls, any cell but the goal's."""
     other = np.arange(levels.walls.shape[1]) != levels.goal[where][:, None]
     free = ~levels.walls[where] & other
     free = np.where(free.any(1, keepdims=True), free, other)

@@ -1,8 +1,8 @@
-"""The test mazes that have one layout each, those of PAIRED, PLR⊥ and ACCEL.
+"""The test mazes of PAIRED, PLR⊥ and ACCEL that have one fixed layout each.
 
 `.` is a cell, `#` a wall, `S` the start of the agent, `G` a possible cell of the goal; each episode uses one of them.
 The border of walls is not drawn. The layouts of DCD (`envs/multigrid/maze.py`) and minimax (`maze_ood.py`) are the
-same. JaxUED has them, too, except for the corridors.
+same. JaxUED has all of them except the corridors.
 Read next: `named_mazes`, which lists what varies.
 """
 

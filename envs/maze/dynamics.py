@@ -35,13 +35,13 @@ def move(layouts, agents, settings, e, action):
 
 @kernel
 def reward_of(arrived, clock, settings):
-    """Return the reward of a step: at the goal 1 - 0.9 t / T, t steps after the start (`MiniGridEnv._reward`)."""
+    """Return the reward of a step: 1 - 0.9 t / T at the goal after t steps (`MiniGridEnv._reward`), else 0."""
     return 1.0 - TIME_COST * (clock / settings.max_steps) if arrived else 0.0
 
 
 @kernel
 def is_late(agents, settings, e):
-    """Return whether the time is over; an agent that arrives in the last step is both late and at the goal."""
+    """Return whether the time limit is reached; an agent that arrives in the last step is both late and at the goal."""
     return agents.clock[e] >= settings.max_steps
 
 

@@ -38,25 +38,25 @@ from ued.core.upomdp import UPOMDP, check_count
 
 NUM_ACTIONS = 3
 FACING = ("right", "down", "left", "up")
-MOST_CLOCK = 2**31  # of a state: the clock of an episode that is over runs on until the next one starts
+MOST_CLOCK = 2**31  # in a state; the clock counts on after the end of an episode until the next one starts
 
 
 class Mazes(UPOMDP):
-    """N partially observed mazes; the package lists their properties and sources.
+    """N partially observed mazes; the docstring of the package lists their properties and sources.
 
     Args:
         num_envs: N.
         config: size, random mazes, time limit, view.
         render_mode: None or "rgb_array".
 
-    Observations are vectors `[N, F]`, float32 in [0, 1], of an image and the direction (see `view`, `ued.core.parts`).
-    An MLP reads them, or convolutions if `PPOConfig.network` is "cnn". Actions `[N]` are 0 turn left, 1 turn right, 2
-    forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both if the
-    agent reaches the goal in the last step. `info["success"]` `[N]` is 1 where the agent has reached the goal in this
-    step. Episodes on a level differ by the agent's actions alone.
+    Observations are vectors `[N, F]`, float32 in [0, 1]: an image and the direction (see `view`, `ued.core.parts`). The
+    network that reads them is an MLP, or a CNN if `PPOConfig.network` is "cnn". Actions `[N]` are 0 turn left, 1 turn
+    right, 2 forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both
+    terminated and truncated if the agent reaches the goal in the last step. `info["success"]` `[N]` is 1 where the
+    agent has reached the goal in this step. The level and the agent's actions fully determine an episode.
     """
 
-    seed_is_luck = True  # the code fixes the maze
+    seed_is_luck = True  # θ fully determines the maze
 
     metadata: dict[str, Any] = {**UPOMDP.metadata, "render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
 
@@ -87,12 +87,12 @@ class Mazes(UPOMDP):
 
     @property
     def layouts(self) -> Layouts:
-        """The mazes being played, `[N]`; to be read only."""
+        """The current mazes, `[N]`; read-only."""
         return self._layouts
 
     @property
     def agents(self) -> Agents:
-        """The positions of the agents, `[N]`; to be read only."""
+        """The positions of the agents, `[N]`; read-only."""
         return self._agents
 
     @property
@@ -109,7 +109,7 @@ class Mazes(UPOMDP):
         return self._family.valid(check_theta(theta, self.theta_dim))
 
     def theta_of(self, maze: Maze) -> np.ndarray:
-        """Return the θ `[D]` of a maze. Raises ValueError for one of another size, and for places outside of it."""
+        """Return the θ `[D]` of a maze. Raises ValueError for a wrong size, and for positions outside the maze."""
         check_maze(maze, self.config.side)
         return self._family.encode(maze)
 
@@ -172,18 +172,18 @@ class Mazes(UPOMDP):
         if array.min() < 0 or array.max() >= NUM_ACTIONS:
             wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
             raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
-        return np.require(array, np.int64, ("C", "W"))  # kernels would be compiled again for other memory layouts
+        return np.require(array, np.int64, ("C", "W"))  # kernels would be compiled again for another memory layout
 
     def observe(self) -> np.ndarray:
-        """Return the present observations in a new array, `[N, F]`."""
+        """Return the current observations in a new array, `[N, F]`."""
         seen = np.empty((self.num_envs, self._size), np.float32)
         observe_all(self._layouts, self._agents, self._settings, seen)
         return seen
 
     def images(self) -> np.ndarray:
-        """Return the present views in MiniGrid's encoding: object, color and state, uint8 `[N, 5, 5, 3]`.
+        """Return the current views in MiniGrid's encoding: object, color and state, uint8 `[N, 5, 5, 3]`.
 
-        The axes are column from the left, row from the top, channel.
+        The last three axes are the column from the left, the row from the top, and the channel.
         """
         images = np.empty((self.num_envs, CHANNELS * CELLS), np.uint8)
         write_images(self._layouts, self._agents, self._settings, images)
@@ -202,7 +202,7 @@ class Mazes(UPOMDP):
         return tuple(draw_maze(grid, *agent, entries) for grid, agent, entries in rows)
 
     def seen(self) -> list[np.ndarray]:
-        """Return one array per agent: the entries of the grid that it sees."""
+        """Return one array per agent: the grid entries in its view that walls do not hide."""
         things = self.images()[..., 0].reshape(self.num_envs, CELLS)
         agents = zip(things, self._agents.at.tolist(), self._agents.direction.tolist(), strict=True)
         return [view_entries(at, direction, self.width)[view != UNSEEN] for view, at, direction in agents]
@@ -223,7 +223,7 @@ class Mazes(UPOMDP):
     # ------------------------------------------------------------ state
 
     def get_state(self) -> dict[str, Any]:
-        """Return the full state; the mazes follow from the levels."""
+        """Return the full state; `set_state` derives the mazes from the levels."""
         return {**self.level_state(), **{name: array.copy() for name, array in self._agents._asdict().items()}}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:

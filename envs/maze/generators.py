@@ -1,6 +1,6 @@
 """Test mazes with a new layout in every episode: MiniGrid's FourRooms and SimpleCrossing, and perfect mazes.
 
-Sizes are inner sides: MiniGrid and DCD count the border of walls, two cells more. Read next: `named_mazes`.
+Sizes are inner side lengths; MiniGrid and DCD also count the border of walls, two more cells. Read next: `named_mazes`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ FOUR_ROOMS_SIDE, CROSSING_SIDE, CROSSINGS = 17, 9, 5
 
 
 def four_rooms(rng: np.random.Generator) -> Maze:
-    """Sample four rooms in a square: each of the four walls between two of them has a gap.
+    """Sample four rooms in a square; each of the four walls between adjacent rooms has a gap.
 
     Gaps, goal, agent and its direction are uniform (MiniGrid's documentation: "both the agent and the goal square are
     randomly placed in any of the four rooms").
@@ -28,11 +28,11 @@ def four_rooms(rng: np.random.Generator) -> Maze:
 
 
 def simple_crossing(rng: np.random.Generator) -> Maze:
-    """Sample a room that five walls cross from side to side, MiniGrid's SimpleCrossingS11N5.
+    """Sample MiniGrid's SimpleCrossingS11N5: a room with five walls from side to side.
 
-    The walls stand in odd rows and columns. A path from room to room, down or right in random order, leads from the
-    agent, at the top left and facing right, to the goal at the bottom right. Each wall has one gap, in a uniform cell
-    beside the room from which the path crosses it.
+    The walls stand in odd rows and columns. The agent starts at the top left, facing right, and the goal is at the
+    bottom right. A path from room to room, down or right in random order, leads from the agent to the goal. Each wall
+    has one gap, in a uniform cell next to the room from which the path crosses the wall.
     """
     side = CROSSING_SIDE
     lines = rng.permutation([(axis, place) for axis in (0, 1) for place in range(1, side - 1, 2)])[:CROSSINGS]
@@ -57,7 +57,7 @@ def perfect_maze(side: int, rng: np.random.Generator) -> Maze:
     are in two random corners (DCD `envs/multigrid/mst_maze.py`; minimax places them in any two cells).
     """
     walls, nodes = np.ones((side, side), bool), np.arange((side + 1) // 2)
-    tree = np.arange(nodes.size**2).reshape(nodes.size, nodes.size)  # which tree each node belongs to
+    tree = np.arange(nodes.size**2).reshape(nodes.size, nodes.size)  # the number of the tree that contains each node
     walls[::2, ::2] = False
     right = [(row, column, 0, 1) for row in nodes for column in nodes[:-1]]
     down = [(row, column, 1, 0) for row in nodes[:-1] for column in nodes]
@@ -72,6 +72,6 @@ def perfect_maze(side: int, rng: np.random.Generator) -> Maze:
 
 
 def with_ends(walls: np.ndarray, rng: np.random.Generator) -> Maze:
-    """Return the maze with these walls, and uniform places of agent and goal in different empty cells."""
+    """Return the maze with these walls, with agent and goal in different, uniformly random empty cells."""
     start, goal = (divmod(int(cell), len(walls)) for cell in rng.choice(np.flatnonzero(~walls), 2, replace=False))
     return Maze(walls, start, goal, int(rng.integers(DIRECTIONS)))

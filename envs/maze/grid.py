@@ -1,8 +1,8 @@
-"""The arrays that mazes are played in. Their sizes are data, so mazes of any size run in the same compiled code.
+"""The arrays that hold mazes. Their sizes are not compiled in, so the same machine code runs mazes of any size.
 
-A maze of S x S cells lies in a grid of W x W, W = S + 2 BORDER, flat. Its border of walls is as wide as the view, so no
-kernel checks an index: cell (y, x) is entry (y + BORDER) W + x + BORDER, and an agent never leaves the cells.
-Directions are MiniGrid's: 0 right, 1 down, 2 left, 3 up.
+A maze of S x S cells is stored in a flat grid of W x W entries, W = S + 2 BORDER. Cell (y, x) is entry
+`(y + BORDER) W + x + BORDER`. The border of walls is as wide as the view, and agents never leave the cells, so kernels
+need not check indices. Directions are MiniGrid's: 0 right, 1 down, 2 left, 3 up.
 
 Letters: `N` environments, `K` mazes, `S` cells per side, `W` entries per side. Read next: `view`.
 """
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 UNSEEN, EMPTY, WALL, GOAL = 0, 1, 2, 8  # MiniGrid's OBJECT_TO_IDX
-GREY, GREEN = 5, 1  # its COLOR_TO_IDX: of walls, of the goal
+GREY, GREEN = 5, 1  # MiniGrid's COLOR_TO_IDX: of walls, of the goal
 LEFT, RIGHT, FORWARD = 0, 1, 2  # actions
 DIRECTIONS = 4
 VIEW = 5  # cells per side

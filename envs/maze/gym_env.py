@@ -18,15 +18,15 @@ from regista.envs.maze.env import Mazes
 
 
 class MazeEnv(gymnasium.Env):
-    """One maze. Each `reset` draws a new one, or takes `options={"theta": θ}` with θ `[D]` in [-1, 1].
+    """One maze. Each `reset` samples a new one, or uses θ `[D]` in [-1, 1] from `options={"theta": θ}`.
 
     Args:
         render_mode: None or "rgb_array".
-        settings: those of `MazeConfig`.
+        settings: the fields of `MazeConfig`.
 
-    `info["theta"]` after a reset is the maze played, `info["replaced"]` whether it replaces an invalid one;
-    `info["success"]` after a step is 1 if the agent is at the goal.
-    Raises ValueError for another render mode or for values of settings outside their bounds.
+    After a reset, `info["theta"]` is the θ of the maze, and `info["replaced"]` is true if a valid maze replaces an
+    invalid one. After a step, `info["success"]` is 1 if the agent is at the goal. Raises ValueError for another render
+    mode or for values of settings outside their bounds.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": Mazes.metadata["render_fps"]}  # noqa: RUF012
@@ -61,9 +61,9 @@ class MazeEnv(gymnasium.Env):
 
 
 def make_vec(num_envs: int = 1, render_mode: str | None = None, **settings: Any) -> Mazes:
-    """Make the native batch for `gymnasium.make_vec`: a new random maze every episode, as a stock trainer expects.
+    """Make the native batch for `gymnasium.make_vec`: a new random maze in every episode.
 
-    `settings` are those of `MazeConfig`.
+    `settings` are the fields of `MazeConfig`.
     """
     env = Mazes(num_envs, MazeConfig(**settings), render_mode)
     env.level_sampler = env.sample_levels

@@ -1,13 +1,14 @@
 """Mazes as levels: random ones, edits, codes.
 
 Random mazes are those of DCD's domain randomization, an adversary with uniformly random actions
-(`AdversarialEnv.step_adversary` with `choose_goal_last`). It places walls in uniform cells, several of which may fall
-on one, then the goal and the agent, which remove the walls in their cells. "25 blocks" are 25 such walls, "60 blocks,
-uniform" 0 to 59 (`resample_n_clutter`). JaxUED draws walls in the same way, minimax without repetition. Agents face a
-uniform direction. As in these sources, some mazes have no path to the goal.
+(`AdversarialEnv.step_adversary` with `choose_goal_last`). It places walls in uniform cells, with repetition, then the
+goal and the agent, which remove the walls in their cells. "25 blocks" means 25 such walls, "60 blocks, uniform" means 0
+to 59 (`resample_n_clutter`). JaxUED samples walls in the same way, minimax without repetition. The direction of the
+agent is uniform. As in these sources, some mazes have no path to the goal.
 
 An edit is one of ACCEL's in DCD (`AdversarialEnv.mutate_level`, editor "walls_none_goal"): a uniform cell becomes a
-wall, an empty cell or the goal. Our edits are applied one after the other; DCD's at once, in different cells.
+wall, an empty cell or the goal. Our edits are applied one after the other; DCD applies all edits at once, in different
+cells.
 
 An adversary builds mazes step by step (see `builder`), or chooses all cells at once. Read next: `builder`; `env`.
 """
@@ -25,9 +26,9 @@ from regista.envs.maze.paths import UNREACHABLE, path_lengths
 from ued.core.cells import bin_center, index_in
 from ued.core.parameters import Choice, Integer
 
-ARROWS = ">v<^"  # agents in drawings, by direction
+ARROWS = ">v<^"  # the agent in drawings, by direction
 EDITS = ("wall", "empty", "goal")
-MOST_OPTIONS = 400  # cells of a maze in which an adversary that chooses at once may prefer single cells
+MOST_OPTIONS = 400  # cells of a maze up to which an adversary that chooses all cells at once may prefer single cells
 
 
 class Maze(NamedTuple):
@@ -42,9 +43,9 @@ class Maze(NamedTuple):
 class MazeFamily:
     """Mazes of S x S cells: a `ued.LevelFamily`.
 
-    A code holds for each cell whether it is a wall, then start, goal and direction. Each of them is the center of one
-    of the equal parts of [-1, 1], as many as there are values (see `ued.core.cells`). Any numbers in [-1, 1] are the
-    code of a maze if start and goal differ; walls in these two cells are removed.
+    A code has one entry for each cell (wall or not), then start, goal and direction. [-1, 1] is divided into as many
+    equal parts as an entry has values; the entry is the center of its part (see `ued.core.cells`). Any vector in
+    [-1, 1] is a valid code if start and goal differ; walls in these two cells are removed.
 
     Args:
         side: S.
@@ -63,10 +64,10 @@ class MazeFamily:
 
     @cached_property
     def parameters(self) -> dict[str, Choice | Integer]:
-        """The columns of codes: a wall or none in each cell, as likely as in random mazes; start, goal, direction."""
+        """The columns of codes: cells, walls as likely as in random mazes; then start, goal, direction."""
         cells, counts = self.side**2, np.arange(self.num_walls) if self.random_count else np.array([self.num_walls])
         share = 1 - ((1 - 1 / cells) ** counts).mean() if self.num_walls else 0.0
-        share = float(np.clip(share, 0.5 / cells, 1 - 0.5 / cells))  # none and all are possible
+        share = float(np.clip(share, 0.5 / cells, 1 - 0.5 / cells))  # exclude 0 and 1
         names = [f"wall[{row}, {column}]" for row in range(self.side) for column in range(self.side)]
         place = Choice(*range(cells)) if cells <= MOST_OPTIONS else Integer(0, cells - 1)
         rest = {"start": place, "goal": place, "direction": Choice(*ARROWS)}
@@ -100,7 +101,7 @@ class MazeFamily:
     def mutate(self, level: Maze, rng: np.random.Generator) -> Maze:
         """Return the maze after one edit. An agent or a goal that loses its cell moves to a random empty one.
 
-        A maze in which no cell would be left for it stays as it is.
+        The maze stays unchanged if no empty cell is left for it.
         """
         place, edit = divmod(int(rng.integers(self.side**2)), self.side), EDITS[rng.integers(len(EDITS))]
         walls = level.walls.copy()
@@ -147,10 +148,10 @@ class MazeFamily:
 
 
 def maze_from(drawing: str) -> Maze:
-    """Return the maze of a drawing: rows of `#` walls, `.` cells, `G` the goal, and `>`, `v`, `<` or `^` the agent.
+    """Return the maze of a drawing: `#` a wall, `.` an empty cell, `G` the goal, `>`, `v`, `<` or `^` the agent.
 
-    Raises ValueError for a drawing that is not square, has other characters, or not one goal and one agent, and for a
-    maze without a path to the goal.
+    Raises ValueError unless the drawing is square, has only these characters, exactly one goal and one agent, and a
+    path to the goal.
     """
     rows = drawing.split()
     text = "".join(rows)
@@ -169,7 +170,7 @@ def maze_from(drawing: str) -> Maze:
 
 
 def check_maze(maze: Maze, side: int) -> None:
-    """Raise ValueError unless this is a maze of S x S cells with start and goal in different ones."""
+    """Raise ValueError unless this is a maze of S x S cells with start and goal in different cells."""
     if np.shape(maze.walls) != (side, side):
         raise ValueError(f"these mazes have {side} x {side} cells, got walls of shape {np.shape(maze.walls)}")
     for name, place in (("start", maze.start), ("goal", maze.goal)):

@@ -10,7 +10,8 @@
 
 n is the side of the grid with its border, so 2 n^2 is 450 for 15 x 15. The agent faces a uniform direction, right in
 SimpleCrossing. All of this is in DCD's `envs/multigrid/{maze,mst_maze,crossing,fourrooms}.py`. minimax plays the same
-layouts, with fixed directions in some. JaxUED allows 250 steps. In both, agents see through the walls of all mazes.
+layouts, with fixed directions in some. JaxUED allows 250 steps. In both minimax and JaxUED, agents see through the
+walls of all mazes.
 
 Sources: PAIRED is Dennis et al. 2020, PLR⊥ Jiang et al. 2021, ACCEL Parker-Holder et al. 2022, MiniGrid
 Chevalier-Boisvert et al. 2023. Read next: `drawings`, `generators`; `task`, which evaluates students on them.
@@ -46,11 +47,11 @@ class NamedMaze(NamedTuple):
     """One of the benchmark's test mazes.
 
     Attributes:
-        draw: samples the maze of an episode.
+        draw: the function that samples the maze of an episode.
         side: its inner side S.
         max_steps: its time limit.
         about: its description and source.
-        see_through: whether agents see through walls, provided that they do in training.
+        see_through: whether agents see through walls; they never do if they do not in training.
     """
 
     draw: DrawMaze
@@ -66,9 +67,9 @@ class NamedMaze(NamedTuple):
 
 
 class DrawnMazes(Mazes):
-    """Mazes whose random levels are those of `draw`, a function of a random stream, instead of random walls.
+    """Mazes whose random levels are sampled by `draw`, a function of a random generator, instead of random walls.
 
-    With `see_through=False`, walls hide cells, and hidden cells are observed as empty ones (as unseen in images).
+    With `see_through=False`, walls hide cells. Hidden cells look empty in features, and unseen in images.
     """
 
     def __init__(
@@ -88,7 +89,7 @@ class DrawnMazes(Mazes):
 
 
 def sample_drawing(drawing: str, rng: np.random.Generator) -> Maze:
-    """Sample one of the mazes of a drawing: its goal at one of the places `G`, its agent facing any direction."""
+    """Sample one of the mazes of a drawing: the goal at one of the cells `G`, the agent facing a uniform direction."""
     goals = [place for place, mark in enumerate(drawing) if mark == "G"]
     text = list(drawing.replace("G", ".").replace("S", ARROWS[rng.integers(DIRECTIONS)]))
     text[goals[rng.integers(len(goals))]] = "G"
@@ -96,7 +97,7 @@ def sample_drawing(drawing: str, rng: np.random.Generator) -> Maze:
 
 
 def time_limit(side: int) -> int:
-    """Return DCD's limit in steps for S x S cells inside a border: 2 n^2, n = S + 2."""
+    """Return DCD's time limit in steps for S x S cells inside a border: 2 n^2, n = S + 2."""
     return 2 * (side + 2) ** 2
 
 

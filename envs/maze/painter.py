@@ -28,9 +28,9 @@ FORWARD_OF = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])  # x right, y up, by d
 
 
 class MazePainter:
-    """Draws walls as squares, and goal, agent and its front as discs; during an episode also the cells in view.
+    """Draws walls as squares, and the goal, the agent and its front as discs; during an episode also the cells in view.
 
-    Points without a position, such as walls that a maze does not have, are nan.
+    Points without a position, such as walls that a maze does not have, are NaN.
     """
 
     background = (24, 26, 32)

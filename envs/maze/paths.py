@@ -16,10 +16,10 @@ UNREACHABLE = -1
 
 @kernel
 def steps_to_goal(grid, width, steps, queue):
-    """Write the number of steps from each entry of a grid `[W * W]`, for each direction, to the goal.
+    """Write the number of steps to the goal from each entry of a grid `[W * W]`, for each direction.
 
     `steps` `[W * W, 4]` int64 is UNREACHABLE without a path. A breadth-first search runs backwards from the goal;
-    `queue` `[4 W * W]` int64 is its memory.
+    `queue` `[4 W * W]` int64 is its working memory.
     """
     steps[:] = UNREACHABLE
     first, last = 0, 0
@@ -46,7 +46,7 @@ def steps_to_goal(grid, width, steps, queue):
 
 @kernel
 def choose_shortest(agents, steps, width, actions):
-    """Write for each environment an action `[N]` that shortens the path to the goal; a left turn without a path."""
+    """Write an action `[N]` for each environment that shortens the path to the goal; without a path, a left turn."""
     for e in range(len(actions)):
         at, direction, best = agents.at[e], agents.direction[e], LEFT
         left, right = (direction + DIRECTIONS - 1) % DIRECTIONS, (direction + 1) % DIRECTIONS

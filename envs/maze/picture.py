@@ -1,4 +1,4 @@
-"""Mazes as pictures: walls, the goal, the agent as an arrow head, and the cells that it sees.
+"""Mazes as pictures: walls, the goal, the agent as an arrowhead, and the cells that it sees.
 
 Read next: `painter`, mazes in recordings and on plots.
 """
@@ -12,9 +12,9 @@ from regista.envs.maze.view import CELLS, MIDDLE
 
 WALL_COLOR, FLOOR, SEEN_FLOOR = (58, 62, 72), (236, 234, 228), (255, 241, 190)
 SEEN_WALL = (92, 88, 84)
-GOAL_COLOR, AGENT_COLOR = (213, 94, 0), (31, 119, 208)  # orange and blue: red-green color blindness keeps them apart
-PIXELS = 320  # of a small maze's side, at least
-LEAST_CELL = 8  # pixels
+GOAL_COLOR, AGENT_COLOR = (213, 94, 0), (31, 119, 208)  # orange and blue: distinct with red-green color blindness
+PIXELS = 320  # side of a small maze's picture, rounded down to whole cells
+LEAST_CELL = 8  # pixels, minimum side of a cell
 
 
 def view_entries(at: int, direction: int, width: int) -> np.ndarray:
@@ -26,7 +26,7 @@ def view_entries(at: int, direction: int, width: int) -> np.ndarray:
 
 
 def draw_maze(grid: np.ndarray, at: int, direction: int, seen: np.ndarray) -> np.ndarray:
-    """Draw a maze, its inner cells inside one row of border on each side: uint8 `[pixels, pixels, 3]`.
+    """Draw the inner cells of a maze with one row of border on each side: uint8 `[pixels, pixels, 3]`.
 
     Args:
         grid: `[W * W]`, see `grid`.
@@ -49,7 +49,7 @@ def draw_maze(grid: np.ndarray, at: int, direction: int, seen: np.ndarray) -> np
 
 
 def arrow_head(size: int, direction: int) -> np.ndarray:
-    """Return the pixels of an arrow head that points in a direction: bool `[size, size]`."""
+    """Return the pixels of an arrowhead that points in a direction: bool `[size, size]`."""
     place = (np.arange(size) + 0.5) / size
     along, across = place[None, :], np.abs(place[:, None] - 0.5)
     right = (along > 0.15) & (across < 0.42 * (0.9 - along) / 0.75)

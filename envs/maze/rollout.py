@@ -31,7 +31,7 @@ def play_mazes(rollout, layouts, agents, pool, settings):
 
 @kernel
 def start(layouts, agents, pool, row, e):
-    """Start the next episode of environment e, in the maze of a row of the pool if it is not negative."""
+    """Start the next episode of environment e; if `row` is not negative, in the maze of this row of the pool."""
     if row >= 0:
         copy(pool.grid[row], layouts.grid[e])
         layouts.start[e], layouts.direction[e] = pool.start[row], pool.direction[row]

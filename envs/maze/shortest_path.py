@@ -13,16 +13,16 @@ from ued.core.baselines import Untrained
 
 
 class ShortestPath(Untrained):
-    """Follow a shortest path to the goal: no policy is faster. It reads the mazes, which agents do not observe.
+    """Follow a shortest path to the goal, so no policy is faster. This policy reads the full mazes, unlike agents.
 
     Args:
-        mazes: the environments that it plays in; `within` makes the same policy for others.
+        mazes: the environments in which it plays; `within` returns the same policy for other environments.
     """
 
     def __init__(self, mazes: Mazes) -> None:
         self.mazes = mazes
         grid = mazes.layouts.grid
-        self._seen = np.zeros_like(grid)  # [N, W * W], the mazes that the steps belong to
+        self._seen = np.zeros_like(grid)  # [N, W * W], the grids for which the stored steps were computed
         self._steps = np.full((*grid.shape, DIRECTIONS), UNREACHABLE, np.int64)
         self._queue = np.zeros(DIRECTIONS * grid.shape[1], np.int64)
 

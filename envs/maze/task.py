@@ -23,8 +23,8 @@ from ued.core.task import Task
 # 32 environments x 256 steps, discount 0.995, lambda 0.95, clipping 0.2, Adam's epsilon 1e-5 and the buffers' capacity
 # and staleness are DCD's. The others were selected for 5M steps instead of its 250M (docs/benchmarks/maze.md): a GRU of
 # 64 units instead of a convolution and an LSTM of 256, a learning rate of 1e-3 instead of 1e-4, one epoch of 8
-# minibatches instead of 5 epochs of one, which take five times as long, and a temperature of 1 instead of 0.1, with
-# which most replays are of a single level.
+# minibatches instead of 5 epochs of one minibatch, which take five times as long, and a temperature of 1 instead of
+# 0.1, at which most replays are of a single level.
 BUFFERS = ("plr", "accel", "cenie", "repaired")
 DEFAULTS: dict[str, Any] = {
     "total_env_steps": 25_000_000,

@@ -1,16 +1,17 @@
 """The agents' view: 5 x 5 cells ahead, as in MiniGrid (`MiniGridEnv.gen_obs`).
 
-The view is turned so that the agent looks up from the middle of the lowest row. Cells have numbers 5 i + j, with column
-i from the left and row j from the top: the order of MiniGrid's `image[i, j]`. The agent's own cell is shown empty.
+The view is turned so that the agent looks up from the middle of the lowest row. The cell in column i from the left and
+row j from the top has number 5 i + j, the order of MiniGrid's `image[i, j]`. The agent's own cell is shown as empty.
 
 Walls hide nothing in DCD's training mazes (`see_through_walls=True` in `AdversarialEnv`), in JaxUED
 (`Maze._get_partial_obs` has no occlusion) and in minimax (`see_through_walls=True`, and False is not implemented).
 Otherwise cells behind walls are unseen, by MiniGrid's `Grid.process_vis`.
 
-A vector of observations ends with the direction, one-hot. Before it come, in "features", walls and goal, 1 where the
-cell holds one, and if training mazes hide cells, which cells are seen: `[25 walls, 25 goal(, 25 seen)]`. In "image" it
-is MiniGrid's object, color and state of each cell, divided by 10 as in DCD (`VecPreprocessImageWrapper(scale=10)`).
-Both are images of 5 x 5: "features" of 2 or 3 planes, "image" with 3 channels last.
+An observation vector is an image followed by the one-hot direction. In "features" the image has one plane of 0 or 1 for
+walls and one for the goal. If walls hide cells in training mazes, a third plane marks the visible cells:
+`[25 walls, 25 goal(, 25 seen)]`. In "image" it is MiniGrid's object, color and state of each cell, divided by 10 as in
+DCD (`VecPreprocessImageWrapper(scale=10)`). Both are images of 5 x 5 cells: "features" has 2 or 3 planes first, "image"
+has 3 channels last.
 Read next: `dynamics`.
 """
 
@@ -28,7 +29,7 @@ _ALL = (1 << CELLS) - 1
 
 
 def image_shape(see_through: bool, as_image: bool) -> tuple[int, int, int]:
-    """Return the shape of the image that a vector of observations begins with; the direction follows it."""
+    """Return the shape of the image at the start of an observation vector; the direction follows the image."""
     return (VIEW, VIEW, CHANNELS) if as_image else (2 if see_through else 3, VIEW, VIEW)
 
 
@@ -50,7 +51,7 @@ def entry(at, ahead, aside, i, j):
 
 @kernel
 def visible(grid, at, ahead, aside):
-    """Return the cells that walls do not hide, a bit each: from the nearest row, light passes sideways and ahead."""
+    """Return the cells that walls do not hide, one bit each: light passes sideways and ahead from the nearest row."""
     seen = 1 << _OWN
     for row in range(VIEW):
         j = VIEW - 1 - row
@@ -63,7 +64,7 @@ def visible(grid, at, ahead, aside):
 
 @kernel
 def _light(grid, at, ahead, aside, i, j, side, seen):
-    """Return the cells seen once a cell passes light to its neighbor on one side, ahead, and ahead on that side."""
+    """Return the visible cells after a cell passes light on: to one side, ahead, and ahead on that side."""
     bit = VIEW * i + j
     if (seen >> bit) & 1 == 0 or grid[entry(at, ahead, aside, i, j)] == WALL:
         return seen
@@ -87,7 +88,7 @@ def thing_at(grid, at, ahead, aside, i, j, seen):
 
 @kernel
 def look(grid, at, direction, settings):
-    """Return the strides ahead and to the right of an agent, and the cells that it sees, a bit each."""
+    """Return the strides ahead and to the right of an agent, and the cells that it sees, one bit each."""
     ahead, aside = stride(direction, settings.width), stride((direction + 1) % DIRECTIONS, settings.width)
     return ahead, aside, _ALL if settings.see_through else visible(grid, at, ahead, aside)
 
@@ -107,7 +108,7 @@ def write_image(layouts, agents, settings, e, image):
 
 @kernel
 def write_features(layouts, agents, settings, e, row):
-    """Write the features of environment e, `[F]`, without the direction; with 3 planes also which cells are seen."""
+    """Write the features of environment e, `[F]`, without the direction; with 3 planes also the visible cells."""
     grid, at = layouts.grid[e], agents.at[e]
     ahead, aside, seen = look(grid, at, agents.direction[e], settings)
     for i in range(VIEW):
@@ -121,7 +122,7 @@ def write_features(layouts, agents, settings, e, row):
 
 @kernel
 def observe(layouts, agents, settings, e, row):
-    """Write the vector of observations of environment e, `[F]` float32."""
+    """Write the observation vector of environment e, `[F]` float32."""
     if settings.as_image:
         write_image(layouts, agents, settings, e, row)
         for k in range(CHANNELS * CELLS):
@@ -135,7 +136,7 @@ def observe(layouts, agents, settings, e, row):
 
 @kernel
 def observe_all(layouts, agents, settings, vectors):
-    """Write the vectors of observations `[N, F]` float32."""
+    """Write the observation vectors `[N, F]` float32."""
     for e in range(len(vectors)):
         observe(layouts, agents, settings, e, vectors[e])
 

@@ -1,8 +1,8 @@
 """Scenic's random primitives as columns of θ: each is a function of numbers in [0, 1], uniform if θ is uniform.
 
-Scenic draws a value by `sampleGiven`; we use the inverse of its cumulative distribution function, so that uniform θ
-gives the distribution of Scenic's sampler. A point in a region takes two columns (one on a line, three in a volume),
-and moves continuously with them if the region is connected.
+Scenic samples a value by `sampleGiven`. We use the inverse cumulative distribution function instead, so uniform θ gives
+the distribution of Scenic's sampler. A point in a region takes two columns (one on a line, three in a volume), and
+moves continuously with them if the region is connected.
 Read next: `program`, which finds the primitives of a program and samples with them.
 """
 
@@ -35,13 +35,13 @@ from scenic.core.vectors import OrientedVector, Vector
 from regista.envs.scenic3.names import Place
 from ued.core.parameters import Integer
 
-TAIL = 1e-9  # probability of each tail of a normal distribution that θ = -1 and 1 cut off
+TAIL = 1e-9  # probability of each tail of a normal distribution that the bounds -1 and 1 of θ cut off
 STANDARD = NormalDist()
 Given = Mapping[Any, Any]  # sampled values by their distributions
 
 
 class ScenicColumn(NamedTuple):
-    """One column of θ, as `scenic_lite.Draw`; for equally likely values, `kind` is the name that `ued` uses."""
+    """One column of θ, with the fields of `scenic_lite.Draw`; for equally likely values, `kind` is `ued`'s name."""
 
     name: str
     kind: Any
@@ -51,7 +51,7 @@ class ScenicColumn(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A column of a primitive: the suffix of its name, its kind, and its ends, NaN if random or infinite."""
+    """A column of a primitive: the suffix of its name, its kind, and its bounds, NaN if random or infinite."""
 
     suffix: str
     kind: Any
@@ -103,14 +103,14 @@ def _integer_part(draw: DiscreteRange) -> list[Part]:
 
 
 class Slices:
-    """One or several polygons in vertical slices: the share of the area gives x, the share of the slice gives y."""
+    """Polygons cut into vertical slices: a share of the area gives x, a share of the slice gives y."""
 
     def __init__(self, region: PolygonalRegion) -> None:
         rings = [ring for shape in region.polygons.geoms for ring in (shape.exterior, *shape.interiors)]
         corners = [np.array(ring.coords)[:, :2] for ring in rings]  # the first corner is repeated at the end
         self.begins = np.vstack([ring[:-1] for ring in corners])  # [edges, 2]
         self.ends = np.vstack([ring[1:] for ring in corners])
-        self.x = np.unique(self.begins[:, 0])  # between two of these, slices grow linearly
+        self.x = np.unique(self.begins[:, 0])  # between two neighboring x, the length of slices is linear in x
         width = np.diff(self.x)
         third, two_thirds = (
             np.array([self._length(x) for x in self.x[:-1] + share * width]) for share in (1 / 3, 2 / 3)
@@ -119,7 +119,7 @@ class Slices:
         self.area = np.concatenate([[0.0], np.cumsum(width * (self.left + self.right) / 2)])
 
     def point(self, u: float, v: float) -> tuple[float, float]:
-        """Return the point of two shares in [0, 1]."""
+        """Return the point for two shares in [0, 1]."""
         area = u * self.area[-1]
         slab = int(np.clip(np.searchsorted(self.area, area, "right") - 1, 0, len(self.left) - 1))
         left, slope, width = self.left[slab], self.right[slab] - self.left[slab], self.x[slab + 1] - self.x[slab]
@@ -136,7 +136,7 @@ class Slices:
         return x, float(crossed[-1])
 
     def _crossings(self, x: float) -> np.ndarray:
-        """Return the intervals of the vertical line at x inside the polygon, from below."""
+        """Return the intervals of the vertical line at x inside the polygon, from bottom to top."""
         (x0, y0), (x1, y1) = self.begins.T, self.ends.T
         cut = (x0 <= x) != (x1 <= x)
         share = (x - x0[cut]) / (x1[cut] - x0[cut])
@@ -148,14 +148,14 @@ class Slices:
 
 
 def _inside(low: float, high: float) -> tuple[float, float]:
-    """Return ends slightly inside an interval: a slice at its very end may be empty."""
+    """Return bounds slightly inside an interval, since a slice at its exact end may be empty."""
     margin = 1e-9 * (high - low)
     return low + margin, high - margin
 
 
 def _in_polygon(region: PolygonalRegion, u: float, v: float) -> Vector:
     if not hasattr(region, "_regista_slices"):
-        region._regista_slices = Slices(region)  # as Scenic keeps triangles
+        region._regista_slices = Slices(region)  # cached on the region, as Scenic caches triangles
     return region.orient(Vector(*region._regista_slices.point(u, v), region.z))
 
 
@@ -200,14 +200,14 @@ def _in_volume(region: MeshVolumeRegion, u: float, v: float, w: float) -> Vector
     return Vector(*(low + np.array([u, v, w]) * (high - low)))
 
 
-# The first matching class counts: how many columns a region needs, and the function from shares to a point.
+# The first matching class applies: the number of columns of a region, and the function from shares to a point.
 REGIONS: dict[type, tuple[int, Callable[..., Vector]]] = {
     RectangularRegion: (2, _in_rectangle),
     CircularRegion: (2, _in_disc),
     SectorRegion: (2, _in_sector),
     PolygonalRegion: (2, _in_polygon),
     PolylineRegion: (1, _on_line),
-    MeshVolumeRegion: (3, _in_volume),  # its bounding box: points outside the volume are rejected
+    MeshVolumeRegion: (3, _in_volume),  # a point in its bounding box; points outside the volume are rejected
 }
 
 
@@ -216,7 +216,7 @@ def _row(region: Region) -> tuple[int, Callable[..., Vector]] | None:
 
 
 def _base(region: Region) -> Region:
-    """Return the region from which a point of an intersection is drawn; the other region is then checked."""
+    """Return the region in which a point is drawn; `point_in` then checks the rest of an intersection or difference."""
     if isinstance(region, DifferenceRegion):
         return _base(region.regionA)
     if isinstance(region, IntersectionRegion):
@@ -225,10 +225,10 @@ def _base(region: Region) -> Region:
 
 
 def point_in(region: Region, *shares: float) -> Vector:
-    """Return the point of these shares of a region's columns. Raises `RejectionException` if there is none."""
+    """Return the point for these shares, one per column of the region. Raises `RejectionException` if there is none."""
     base = _base(region)
     row = _row(base)
-    if row is None:  # drawn among regions of different kinds
+    if row is None:  # the union of regions of different kinds
         return region.uniformPointInner()
     count, place = row
     point = place(base, *(*shares, 0.5, 0.5)[:count])
@@ -254,7 +254,7 @@ def _point_parts(draw: PointInRegionDistribution) -> list[Part]:
 
 # ---------------------------------------------------------------- the table
 
-# By exact class: the columns of a primitive, and its value given its dependencies and its shares in [0, 1].
+# By exact class: the columns of a primitive, and its value from its dependencies and its shares in [0, 1].
 PRIMITIVES: dict[type, tuple[Callable[[Any], list[Part]], Callable[..., Any]]] = {
     Range: (lambda draw: _number_part(draw, "range"), _range),
     Normal: (lambda draw: _number_part(draw, "normal"), _normal),

@@ -1,8 +1,8 @@
-"""A simulation driven step by step: Scenic's simulators run to the end by themselves; this one waits for actions.
+"""A simulation that is driven step by step: Scenic's own loop runs to the end, ours waits for the agent's actions.
 
-The simulation runs in a greenlet, which has its own stack. When Scenic requests the agent's actions from its behavior,
-the behavior switches back to the caller of `step`, and continues with the action of the next `step`. Scenic and its
-simulators need no change. Scenic's state is global: a process plays one episode at a time.
+The simulation runs in a greenlet, which has its own stack. When Scenic requests actions from the agent's behavior, the
+behavior switches back to the caller of `step`. The next `step` resumes it with an action. Scenic and its simulators
+need no change. Scenic's state is global: a process plays one episode at a time.
 Read next: `vector_env`, a process for each environment.
 """
 
@@ -25,7 +25,7 @@ from scenic.core.simulators import Simulation, Simulator, TerminationType
 
 from regista.envs.scenic3.view import top_view
 
-Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # as `gymnasium.Env.step` returns it
+Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # the same as the result of `gymnasium.Env.step`
 
 
 class Role(ABC):
@@ -34,8 +34,8 @@ class Role(ABC):
     Attributes:
         observation_space: a vector or an image.
         action_space: of any kind.
-        max_steps: steps after which an episode is truncated; None: the program ends it.
-        timestep: seconds of a step; None: the simulator's own.
+        max_steps: the time limit in steps, after which an episode is truncated; None: only the program ends episodes.
+        timestep: the duration of a step in seconds; None: the default of the simulator.
     """
 
     observation_space: Box
@@ -44,11 +44,11 @@ class Role(ABC):
     timestep: float | None = None
 
     def render(self, simulation: Simulation) -> np.ndarray:
-        """Return a picture for recordings: bytes `[height, width, 3]`, always of the same size."""
+        """Return a picture for recordings: uint8 `[height, width, 3]`, always of the same size."""
         return top_view(simulation, self.agent(simulation.scene))
 
     def agent(self, scene: Scene) -> Any:
-        """Return the object that the agent controls; its behavior in the program is replaced."""
+        """Return the object that the agent controls; the agent replaces its behavior in the program."""
         return scene.egoObject
 
     @abstractmethod
@@ -57,13 +57,13 @@ class Role(ABC):
 
     @abstractmethod
     def act(self, action: Any, simulation: Simulation) -> Sequence[Any]:
-        """Return the Scenic actions, as behaviors `take` them, for an action of the agent."""
+        """Return the Scenic actions for an action of the agent, as in a behavior's `take` statement."""
 
     @abstractmethod
     def judge(self, simulation: Simulation) -> tuple[float, bool, bool | None]:
-        """Return the reward of the last step, whether the episode ends, and whether it then succeeds.
+        """Return the reward of the last step, whether the episode ends, and whether it succeeds (None: unknown).
 
-        It is also called once at the start, where its reward is ignored; success None: unknown.
+        It is also called once at the start of the episode, where the reward is ignored.
         """
 
 
@@ -88,8 +88,8 @@ class _Played(Behavior):
 class Episode:
     """One simulation of a scene. Call `begin`, then `step` until it has ended, or `close` to stop early.
 
-    Randomness inside it, such as behaviors that draw random values, depends on `seed` alone: random numbers drawn
-    outside between steps change nothing.
+    Randomness inside the simulation, such as random values in behaviors, depends on `seed` alone. Random numbers that
+    other code draws between steps have no effect on it.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, role: Role, seed: int) -> None:
@@ -111,18 +111,18 @@ class Episode:
         agent.sensors = {**agent.sensors, "regista": GroundTruthSensor(self._look)}
 
     def begin(self) -> Any:
-        """Run to the agent's first turn; return its observation. Raises `ValueError` if it has none."""
+        """Run to the agent's first action; return the observation. Raises `ValueError` if the simulation ends first."""
         self._go_on()
         if self._inside.dead:
             raise ValueError(f"the simulation of {self.scene.egoObject} ended before its first step")
         return self._seen
 
     def step(self, action: Any) -> Outcome:
-        """Apply an action and run to the agent's next turn. `info` has `success`, and the program's `ending` if any."""
+        """Apply an action and run until the next one. `info` has `success`, and the program's `ending` if any."""
         self._judged = None
         finished = self._go_on(action)
         info: dict[str, Any] = {}
-        if self._judged is None:  # a requirement was violated: Scenic would discard this simulation
+        if self._judged is None:  # a requirement was violated; Scenic would discard this simulation
             return self._seen, 0.0, True, False, {"ending": "rejected", "success": False}
         reward, ended, success = self._judged
         cut = False
@@ -144,20 +144,20 @@ class Episode:
             self._inside.throw(GreenletExit)
 
     def render(self) -> np.ndarray:
-        """Return a picture of the present state."""
+        """Return a picture of the current state."""
         return self.role.render(self._simulation)
 
     def _simulate(self) -> Simulation | None:
         return self.simulator.simulate(self.scene, maxSteps=self.role.max_steps, timestep=self.role.timestep)
 
     def _look(self) -> None:
-        """Observe and compute the reward: Scenic reads each object's sensors in each step, including the last."""
+        """Observe and compute the reward: a sensor calls this in each step, including the last."""
         self._simulation = veneer.currentSimulation
         self._seen = self.role.observe(self._simulation)
         self._judged = self.role.judge(self._simulation)
 
     def _go_on(self, *action: Any) -> Any:
-        """Run to the agent's next turn or the end, with the simulation's own global random streams."""
+        """Run to the agent's next action or the end, with the simulation's own global random streams."""
         outside = random.getstate(), np.random.get_state()
         _set_streams(self._chance)
         try:

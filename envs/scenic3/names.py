@@ -1,7 +1,7 @@
 """The names of a program's random primitives, and the lines that contain them.
 
-A primitive stored in a variable has the variable's name, `gap`; another is named by its parameter or property:
-`param weather`, `lead.position`, `lead.behavior.target_speed`. Read next: `program`.
+A primitive stored in a variable has the name of the variable: `gap`. Other primitives are named after their parameter
+or property: `param weather`, `lead.position`, `lead.behavior.target_speed`. Read next: `program`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scenic.core.lazy_eval import LazilyEvaluable, needsSampling
 from scenic.core.object_types import Object
 from scenic.core.scenarios import Scenario
 
-FIRST = ("position", "yaw", "pitch", "roll")  # of an object's properties: those from which others are derived
+FIRST = ("position", "yaw", "pitch", "roll")  # properties that are named first, since others are derived from them
 
 
 class Place(NamedTuple):
@@ -44,7 +44,7 @@ class Places:
         return Place(self.file, self._lines.get(id(value), 0))
 
     def order(self, values: list[Any]) -> list[Any]:
-        """Return values in order of creation; those added later, by pruning, come last."""
+        """Return values in order of creation; values that Scenic's pruning added come last."""
         made = {each: index for index, each in enumerate(self._lines)}
         return sorted(values, key=lambda value: made.get(id(value), len(made)))
 
@@ -78,7 +78,7 @@ def variables(scenario: Scenario) -> dict[str, Any]:
 
 
 def object_names(scenario: Scenario) -> dict[int, str]:
-    """Return a name for each object, by its id: its variable's, `ego`, or its class and a number."""
+    """Return a name for each object, by its id: its variable, `ego`, or its class and a number."""
     names: dict[int, str] = {}
     named = {id(value): name for name, value in variables(scenario).items() if isinstance(value, Object)}
     for index, thing in enumerate(scenario.objects):
@@ -88,7 +88,7 @@ def object_names(scenario: Scenario) -> dict[int, str]:
 
 
 def primitive_names(scenario: Scenario) -> dict[int, str]:
-    """Return a name for each random value, by its id: the first that leads to it."""
+    """Return a name for each random value, by its id: the first name that leads to it."""
     held = {called: value for called, value in variables(scenario).items() if not isinstance(value, Object | Behavior)}
     names: dict[int, str] = {}
     for called, value in held.items():  # names of variables before names of properties

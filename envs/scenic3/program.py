@@ -30,7 +30,7 @@ from ued.core.level_space import check_theta
 from ued.core.parameters import Choice, Integer, Range
 
 COLORS = ("*color*",)  # appearance: excluded by default
-MOST_TRIES = 100  # seeds tried for a θ before it counts as invalid
+MOST_TRIES = 100  # maximum number of seeds tried for a θ before it counts as invalid
 
 
 class Thing(NamedTuple):
@@ -51,7 +51,7 @@ class Scenes(NamedTuple):
 
 
 class Report(NamedTuple):
-    """How many of some uniform θ give valid scenes."""
+    """The number of sampled θ, how many of them give valid scenes, and why the others do not."""
 
     tried: int
     valid: int
@@ -68,10 +68,10 @@ class ScenicProgram:
     Args:
         path: the `.scenic` file.
         params: global parameters that replace the program's.
-        scenario: which of several modular scenarios; None: `Main`.
+        scenario: the name of the modular scenario to run; None: `Main`.
         model: the world model that replaces the program's.
         mode_2d: Scenic's 2D compatibility mode, which the driving domain needs.
-        nuisance: `fnmatch` patterns of names of columns that the seed determines instead of θ: `"*color*"`.
+        nuisance: `fnmatch` patterns such as `"*color*"`: the seed, not θ, determines the columns with matching names.
 
     Attributes:
         draws: the D columns of θ.
@@ -96,8 +96,8 @@ class ScenicProgram:
             )
         self.draws: tuple[ScenicColumn, ...] = ()
         self.by_seed: list[str] = []
-        self._columns: dict[int, range] = {}  # of θ, by the id of a primitive
-        self._why = ""  # why the last scene was rejected
+        self._columns: dict[int, range] = {}  # columns of θ by the id of the primitive
+        self._why = ""  # reason for the rejection of the last scene
         self._lay_out(nuisance)
 
     def __reduce__(self) -> Any:
@@ -127,8 +127,8 @@ class ScenicProgram:
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return which rows of θ `[N, D]` give scenes that satisfy all requirements: bool `[N]`.
 
-        Values that the seed determines are drawn from a seed derived from θ: so valid uniform θ have the distribution
-        of Scenic's scenes.
+        Values that are not in θ are drawn from a seed derived from θ. So valid, uniform θ give the distribution of
+        Scenic's scenes.
         """
         return np.array([self._try(row, _seed_of(row)) is not None for row in theta], bool)
 
@@ -229,7 +229,7 @@ class ScenicProgram:
         if not needsSampling(node):
             values[node] = node
             return
-        actual = node._conditioned  # by pruning: equivalent, with more valid samples
+        actual = node._conditioned  # set by pruning: an equivalent distribution with more valid samples
         for child in actual._dependencies:
             self._fill(child, shares, values)
         at = self._columns.get(id(node))
@@ -277,7 +277,7 @@ class ScenicProgram:
         self.by_seed = list(dict.fromkeys(self.by_seed + self._other_chance(names)))
 
     def _other_chance(self, names: Mapping[int, str]) -> list[str]:
-        """Return the names of other draws of a scene: mutations, distributions of other packages."""
+        """Return the names of all other random draws of a scene: mutations, and distributions of other packages."""
         values, found = DefaultIdentityDict(), []
         with seeded(0):
             for node in self._nodes():
@@ -291,7 +291,7 @@ class ScenicProgram:
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Let Scenic draw from a given seed inside; Python's and NumPy's global streams are restored afterwards."""
+    """Seed Scenic's draws inside the context; Python's and NumPy's global streams are restored afterwards."""
     before = random.getstate(), np.random.get_state()
     random.seed(seed)
     np.random.seed(seed % 2**32)
@@ -303,7 +303,7 @@ def seeded(seed: int) -> Iterator[None]:
 
 
 def _streams() -> tuple[Any, int]:
-    """Return the state of the global streams, which changes with each draw."""
+    """Return the state of the global random streams, which changes with each draw."""
     state: Any = np.random.get_state()
     return random.getstate(), state[2]
 

@@ -23,9 +23,9 @@ from ued.core.level_space import LevelError, check_theta
 from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
-BEGIN_SECONDS = 120.0  # until a process counts as hung; simulators may take long to start
-STEP_SECONDS = 30.0  # for each step
-MOST_DEATHS = 3  # of processes during one request
+BEGIN_SECONDS = 120.0  # time limit of a request that begins an episode; simulators may take long to start
+STEP_SECONDS = 30.0  # and for each step
+MOST_DEATHS = 3  # maximum deaths of processes during one request
 
 
 class WorkerGoneError(Exception):
@@ -41,7 +41,7 @@ class Player:
         self.episode: Episode | None = None
 
     def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> Any:
-        """Play an episode of a level, with this seed of its randomness, through these actions.
+        """Begin an episode of a level, with `luck` as the seed of its randomness, and play these actions.
 
         Returns the initial observation, or the outcome of the last action.
         """
@@ -66,9 +66,9 @@ class Player:
         return self.episode.render()
 
     def serve(self, pipe: Connection, other_end: Connection) -> None:
-        """Answer requests until the other end is closed; a forked process holds a copy of that end, too."""
+        """Answer requests until the other end is closed; close the copy of that end that a forked process holds."""
         other_end.close()
-        end_with_parent(signal.SIGKILL)  # at once: it also holds the lock of a run folder
+        end_with_parent(signal.SIGKILL)  # immediately, since this process also holds the lock of a run folder
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the parent, which closes this process
         signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the default, whatever handler the parent has set
         with suppress(EOFError, BrokenPipeError):
@@ -76,7 +76,7 @@ class Player:
                 name, *arguments = pipe.recv()
                 try:
                     answer = True, getattr(self, name)(*arguments)
-                except Exception as error:  # of the program, its simulator, the role
+                except Exception as error:  # an exception of the program, its simulator or the role
                     answer = (
                         False,
                         f"{type(error).__name__}: {error}\n{''.join(traceback.format_tb(error.__traceback__, -4))}",
@@ -100,7 +100,7 @@ class Worker:
         return None if self._pipe is None else self._process.pid
 
     def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> None:
-        """Request an episode, through these actions."""
+        """Request an episode, from its start to the end of these actions."""
         self.theta, self.seed, self.luck, self.actions = theta, seed, luck, list(actions)
         self._ask("begin", theta, seed, luck, self.actions)
 
@@ -112,7 +112,7 @@ class Worker:
     def answer(self) -> Any:
         """Return the answer; if the process fails, a new one replays the episode and answers.
 
-        Raises `LevelError` if a level fails repeatedly, or for an exception in its code.
+        Raises `LevelError` if a level fails repeatedly, or if its code raises an exception.
         """
         for _ in range(MOST_DEATHS):
             try:
@@ -162,7 +162,7 @@ class Worker:
             self._process = context.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
             self._process.start()
             theirs.close()
-        with suppress(OSError):  # it has died: `answer` restarts it
+        with suppress(OSError):  # the process has died: `answer` restarts it
             self._pipe.send(request)
 
     def _receive(self) -> Any:
@@ -181,11 +181,11 @@ class ScenicUPOMDP(UPOMDP):
     Args:
         program: its random values are θ.
         role: the agent's observations, actions and rewards.
-        num_envs: N, each a process of about 200 MB, most of it shared.
+        num_envs: N; each environment is a process of about 200 MB, most of it shared.
 
-    The role defines `info["success"]`. In a step with endings, `info["ending"]` `[N]` reports how the program ended an
-    episode: "rejected" if it violated a requirement, "" if it did not end.
-    Raises `LevelError` for a failure of a simulation or of the role, with θ and seed.
+    The role defines `info["success"]`. In a step in which episodes end, `info["ending"]` `[N]` is how the program ended
+    each of them: "rejected" if it violated a requirement, "" if the program did not end it. Raises `LevelError`, with θ
+    and seed, if a simulation or the role fails.
     """
 
     render_mode = "rgb_array"
@@ -215,9 +215,9 @@ class ScenicUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def _answers(self, where: Any) -> list[Any]:
-        """Return the answers of the workers `where`, all of which are read even if some fail; raise the first failure.
+        """Read the answers of all workers `where`, even if some fail; return them or raise the first failure.
 
-        A pending answer would be taken for that of the next request.
+        An answer left unread would be taken for the answer to the next request.
         """
         answers, failures = [], []
         try:
@@ -250,13 +250,13 @@ class ScenicUPOMDP(UPOMDP):
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...]:
-        """Return a picture of each environment, from above unless the role draws it."""
+        """Return a picture of each environment, drawn by the role or else from above."""
         return tuple(worker.render() for worker in self.workers)
 
     # ------------------------------------------------------------ state
 
     def get_state(self) -> dict[str, Any]:
-        """Return the levels and the actions so far: replaying them resumes the episodes."""
+        """Return the levels and the actions so far; `set_state` replays them to resume the episodes."""
         return {**self.level_state(), "actions": [np.array(worker.actions) for worker in self.workers]}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:

@@ -16,7 +16,7 @@ GROUND, GRID, AGENT, OTHER = (235, 235, 230), (210, 210, 205), (200, 60, 50), (6
 
 
 def top_view(simulation: Simulation, agent: Any) -> np.ndarray:
-    """Return a picture with the agent in its center: bytes `[HEIGHT, WIDTH, 3]`."""
+    """Return a picture with the agent in its center: uint8 `[HEIGHT, WIDTH, 3]`."""
     x, y = np.meshgrid(np.linspace(-REACH, REACH, WIDTH), np.linspace(REACH, -REACH, WIDTH)[:HEIGHT] - REACH / 2)
     pixel = 2 * REACH / WIDTH
     picture = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)

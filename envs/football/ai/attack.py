@@ -1,4 +1,4 @@
-"""Built-in players on the ball: shoot, pass, or dribble along a field of forces; a free ball may be played first-time.
+"""Built-in players on the ball: shoot, pass, dribble along a field of forces, or play a free ball first-time.
 
 The order of decisions and the forces are documented by Google Research Football. Read next: `ai.shooting`,
 `ai.passing`; `ai.support`, for their teammates.
@@ -25,20 +25,20 @@ from regista.kernels.rng import uniform
 class Forces(NamedTuple):
     """The forces on a dribbler, relative to the goal's pull of 1."""
 
-    centre_pull: float = 0.72  # share of the lateral way that the pull leads to the middle; the rest keeps the lane
+    centre_pull: float = 0.72  # share of the lateral way to the middle of the goal in the pull; the rest keeps the lane
     rivals_range: float = 10.0  # m
-    rivals_push: float = 2.6  # of an opponent at distance 0,
-    rivals_most: float = 1.0  # and of all of them together
+    rivals_push: float = 2.6  # force of an opponent at distance 0
+    rivals_most: float = 1.0  # maximum force of all opponents together
     lines_range: float = 20.0  # m
     lines_push: float = 4.0
-    beside_goal: float = 12.0  # m beside the goal, from where on its line pushes in full
+    beside_goal: float = 12.0  # m beside the goal, beyond which its line pushes in full
     speed: float = 8.0  # m/s for a force of 1
 
 
 class FreeBall(NamedTuple):
     """Playing a free ball first-time."""
 
-    at_once: float = 0.25  # s before the contact, from when on the player decides whether to
+    at_once: float = 0.25  # s before the contact, from which on the player decides on a first-time kick
     volley_fits: float = 0.3  # chance per step that the stride allows a shot
 
 
@@ -86,7 +86,7 @@ def kicks_himself(match, player):
 
 @kernel
 def run_by_forces(match, player):
-    """Dribble where the forces of goal, opponents and lines lead, at the gait that fits the force."""
+    """Dribble along the sum of the forces of goal, opponents and lines, at the gait that fits the force."""
     force_x, force_y = pull_of_goal(player)
     push_x, push_y = push_of_rivals(match, player)
     force_x += push_x + push_of_goal_line(player)
@@ -98,7 +98,7 @@ def run_by_forces(match, player):
 
 @kernel
 def carrying_speed(player, desired):
-    """Return the speed in m/s with the ball for a desired speed; a dribbler never stands still."""
+    """Return the speed in m/s with the ball for a desired speed; a dribbler never stops."""
     if desired < GAIT_CHOICE.walks:
         return DRIBBLE_SPEED
     return RUN_SPEED if desired < GAIT_CHOICE.runs else player.top_speed
@@ -106,7 +106,7 @@ def carrying_speed(player, desired):
 
 @kernel
 def pull_of_goal(player):
-    """Return a force of 1 towards a place between the goal and the player's own lane."""
+    """Return a force of 1 towards a point between the middle of the goal and the player's own lane."""
     to_x, to_y = attacked_goal_x(player.team) - player.x, -FORCES.centre_pull * player.y
     distance = length(to_x, to_y) + 1e-9
     return to_x / distance, to_y / distance
@@ -116,9 +116,10 @@ def pull_of_goal(player):
 def push_of_rivals(match, player):
     """Return the force away from nearby opponents.
 
-    The push of an opponent is fitted to scenes with one or two opponents. Its sum over a whole team would exceed the
-    pull of the goal, and no dribbler would come near the goal. So the pull of the goal limits the sum. One opponent
-    nearer than 6.2 m reaches the limit, too; straight ahead the forces then cancel, and the dribbler moves sideways.
+    The push of an opponent is fitted to scenes with one or two opponents. The sum over a whole team would exceed the
+    pull of the goal, and no dribbler would come near the goal. So the sum is limited to the pull of the goal. A single
+    opponent nearer than 6.2 m also reaches the limit. If this opponent is straight ahead, the forces cancel, and the
+    dribbler moves sideways.
     """
     force_x, force_y = 0.0, 0.0
     for j in range(match.num_players):

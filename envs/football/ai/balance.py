@@ -1,8 +1,8 @@
-"""The balance of a match over the last seconds: each team's share of possession, and the ball's positions.
+"""The balance of a match over the last seconds: each team's share of possession, and the ball's mean position.
 
-A team's share of possession slowly follows how much sooner it can reach the ball than the other team, from 0.5 (the
-other team has the ball) to 1.5 (this team has it). This is Google Research Football's law, and all players without the
-ball depend on it. Read next: `ai.formation`.
+A team's share of possession slowly follows a ratio: the other team's time to the ball divided by its own. It ranges
+from 0.5 (the other team has the ball) to 1.5 (this team has it). This is Google Research Football's law, and all
+players without the ball depend on it. Read next: `ai.formation`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from regista.envs.football.state import BALL_MEMORY
 from regista.kernels.jit import kernel
 
 NO_POSSESSION, FULL_POSSESSION = 0.5, 1.5
-POSSESSION_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
-POSSESSION_TIME = 2.0  # s, time constant with which possession follows the present
+POSSESSION_SLACK = 1.5  # s added to both teams' times to the ball before their comparison
+POSSESSION_TIME = 2.0  # s, time constant with which the share follows present possession
 TREND_STEPS = 60  # steps over which the possession trend is averaged
 PACE_TIME = 6.0  # s over which a player's speed is averaged
 
@@ -47,7 +47,7 @@ def remember_ball(match):
 
 @kernel
 def mean_ball(match, seconds, axis):
-    """Return the ball's x (axis 0) or y in m, averaged over the last seconds, at most 4, since play was stopped."""
+    """Return the ball's x (axis 0) or y in m, averaged over the last `seconds`, at most 4, and not across a restart."""
     steps = min(max(int(seconds / STEP + 0.5), 1), BALL_MEMORY - 1, match.remembered)
     now = match.remembered % BALL_MEMORY
     then = now - steps if now >= steps else now - steps + BALL_MEMORY
@@ -56,7 +56,7 @@ def mean_ball(match, seconds, axis):
 
 @kernel
 def update_possession_share(match):
-    """Update both teams' shares of possession by their times to the ball; a keeper or taker has full possession."""
+    """Update both teams' shares of possession by their times to the ball; a keeper holding it or a taker has all."""
     sure = NOBODY
     if match.keeper_holding != NOBODY:
         sure = match.players[match.keeper_holding].team
@@ -75,8 +75,9 @@ def update_possession_share(match):
 
 @kernel
 def possession_trend(match, team):
-    """Return how far the block of `team` moves forward for the possession of the last seconds: -1 to 1.
+    """Return how far, -1 to 1, the possession of the last seconds moves the block of `team` forward.
 
-    It moves forward without the ball, as measured in scenes where a defender's position depends on the slot alone.
+    The block moves forward when the team lacks the ball, as measured in scenes in which only the slot determines a
+    defender's position.
     """
     return -forward(team) * match.lean

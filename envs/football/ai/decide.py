@@ -21,14 +21,14 @@ from regista.envs.football.skills.steering import go_for_ball
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-MARKED_EVERY, MARKED_AT = 4, 3  # steps: period and phase; no player is marked at first
-SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of the first player so far at a free ball; s, added to both
-LATE, LATE_SHARE = 0.2, 2.0  # s, for a player without a mark, and ratio to the opponents' time: limits of a run
+MARKED_EVERY, MARKED_AT = 4, 3  # steps: period and phase; no player is marked at the beginning
+SOONER, SOONER_SLACK = 0.85, 0.01  # factor of the time of the first team so far, to a free ball; s, added to both times
+LATE, LATE_SHARE = 0.2, 2.0  # limits of a run: s, for a player without a mark; ratio to the opponents' time
 
 
 @kernel
 def read_game(match):
-    """Find both teams' players at the ball, and every few steps slots and markers."""
+    """Update both teams' players at the ball, and every few steps slots and markers."""
     count_possession(match)
     find_team_in_possession(match)
     remember(match)
@@ -53,8 +53,8 @@ def count_possession(match):
 
 @kernel
 def find_team_in_possession(match):
-    """Find the team that has the ball or will be first at it; possession of a free ball passes only to a clearly
-    sooner team.
+    """Find the team that has the ball or will be first at it; for a free ball this only changes if the other team is
+    clearly sooner.
     """
     team = match.team_in_possession
     if match.carrier != NOBODY:
@@ -75,7 +75,7 @@ def choose_command(match, i):
     if player.role == GK:
         choose_keeper_command(match, i)
     elif unaware_of_kick(match, player):
-        return  # the last decision stays in force
+        return  # the last decision remains in force
     elif match.carrier == i:
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
@@ -100,7 +100,8 @@ def unaware_of_kick(match, player):
 
 @kernel
 def goes_for_free_ball(match, i):
-    """Return whether player i runs for a free ball: first of the team at it, and not much later than the opponents.
+    """Return whether player i runs for a free ball: it is the first of its team there, and not much later than the
+    opponents.
 
     If an opponent is near enough to count as the owner, the player must not be later, even before the opponent's first
     touch. A player who marks an opponent abandons the ball sooner.

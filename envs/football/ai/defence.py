@@ -1,8 +1,7 @@
 """Built-in players against an opponent: stay between opponent and goal, press, tackle, and keep the line.
 
-As measured in Google Research Football, a lone defender retreats before a carrier, staying between carrier and goal,
-and attacks the ball only near it or near the own goal. Read next: `ai.positions`, which combines all this;
-`ai.keeper`.
+As measured in Google Research Football, a lone defender retreats before a carrier and stays between carrier and goal.
+It attacks the ball only near it or near the own goal. Read next: `ai.positions`, which combines all this; `ai.keeper`.
 """
 
 from __future__ import annotations
@@ -22,64 +21,64 @@ from regista.kernels.jit import kernel
 
 
 class Duel(NamedTuple):
-    """Going for a led ball: tackles and slides."""
+    """Going for a carrier's ball: tackles and slides."""
 
-    slide_near: float = 0.7  # m to the ball, at least
-    slide_far: float = 1.6  # m, at most
+    slide_near: float = 0.7  # m to the ball at least, for a slide
+    slide_far: float = 1.6  # m at most
     slide_cosine: float = 0.7  # cosine of the angle to the ball
-    slide_loose: float = 1.4  # m from the carrier to the ball, which takes the carrier more than 0.26 s
-    tackle_range: float = 2.0  # m to a ball
-    coming: float = 1.5  # m/s at which it comes: the player tries for it
+    slide_loose: float = 1.4  # m from the carrier to the ball, for which the carrier needs more than 0.26 s
+    tackle_range: float = 2.0  # m to the ball, for a tackle
+    coming: float = 1.5  # m/s at which the ball must approach
 
 
 class Race(NamedTuple):
-    """Who is sooner at a led ball: speed fades while a circle of reach grows around the player, as in `Run`."""
+    """A race to a carrier's ball: speed fades while a circle of reach grows around the player, as in `Run`."""
 
-    longest: float = 1.5  # s: a slower player is not considered
-    nearest: float = 12.0  # m to the ball, the same
-    on_his_way: float = 0.3  # s since the carrier's last touch, after which the carrier is on the way to the next one,
-    touches_every: float = 0.7  # s between touches
-    in_time: float = 0.99  # of the carrier's time by the player's, above which the player goes for it,
-    patience: float = 0.2  # s added to both
+    longest: float = 1.5  # s; a player who needs longer does not go for the ball
+    nearest: float = 12.0  # m to the ball; a player further away does not either
+    on_his_way: float = 0.3  # s since the carrier's last touch; after that, the carrier's next touch is expected
+    touches_every: float = 0.7  # s between touches of the carrier
+    in_time: float = 0.99  # minimum ratio of the carrier's time to the player's, with `patience`
+    patience: float = 0.2  # s added to both times
 
 
 class Guard(NamedTuple):
     """Parameters for staying between an opponent and the goal."""
 
-    lead: float = 0.5  # s by which the opponent's run is extrapolated from a reaction time ago
-    own_lead: float = 0.14  # s for the player's own run
-    shot_from: float = 24.0  # m to the goal: from where the opponent on the ball shoots,
-    danger_from: float = 8.0  # and from where another opponent is dangerous
-    nearest: float = 0.4  # m in front of the opponent at least
-    buffer: float = 4.0  # m nearer than the opponent to where the shot will be
-    late: float = 0.7  # share of the m of delay by which a late guard falls back
-    rounds_from: float = 3.0  # m to an opponent on the way back, from where on the player runs round,
-    clear_by: float = 1.5  # m beside the opponent,
-    abreast: float = 0.3  # m, until abreast
-    most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the share of possession
+    lead: float = 0.5  # s, minus the reaction time, by which the opponent's run is extrapolated
+    own_lead: float = 0.14  # s by which the player's own run is extrapolated
+    shot_from: float = 24.0  # m to the goal; the opponent on the ball shoots from there
+    danger_from: float = 8.0  # m to the goal, at which other opponents are dangerous
+    nearest: float = 0.4  # m in front of the opponent, at least
+    buffer: float = 4.0  # m by which the guard is nearer to the expected place of the shot than the opponent
+    late: float = 0.7  # m by which a late guard falls back, per m of delay
+    rounds_from: float = 3.0  # m to an opponent on the way back, within which the player runs around this opponent
+    clear_by: float = 1.5  # m beside the opponent
+    abreast: float = 0.3  # m ahead along the way; a nearer opponent is abreast
+    most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfielders, forwards guard, less their possession
     curve: float = 0.7
 
 
 class Meet(NamedTuple):
     """Where a presser meets the opponent on the way to the goal."""
 
-    stride: float = 0.8  # m beyond the point at equal distance
+    stride: float = 0.8  # m beyond the point at equal distance to both
     lead: float = 0.14  # s by which the opponent's run is extrapolated
-    deep: float = 0.5  # m deeper than the opponent, which do not count,
-    wide: float = 0.8  # m aside for each m deeper: beyond that the presser must move
+    deep: float = 0.5  # m of the player behind the meeting point that do not count; each further m
+    wide: float = 0.8  # allows this many m aside, before the presser must move
 
 
 class DefensiveLine(NamedTuple):
     """The defensive line, which limits how far players fall back without the ball."""
 
-    start: float = 40.0  # m from the own goal to the line,
-    force: float = 6.0  # and to the last place where it is held
-    fall_back: float = 25.0  # m in front of the ball while that is far
+    start: float = 40.0  # m from the own goal to the line, at most
+    force: float = 6.0  # m from the own goal to the last position in which the line is held
+    fall_back: float = 25.0  # m in front of the ball, while it is far
     future: float = 0.7  # s by which the ball is extrapolated
-    caution: float = 4.0  # m in front of the opponent on the ball,
+    caution: float = 4.0  # m in front of the opponent on the ball
     rival_lead: float = 0.15  # s by which that opponent's run is extrapolated
     slack: float = 4.0  # m that a teammate may be behind the line
-    seen_lead: float = 0.24 - 0.11  # s by which opponents extrapolate runs that they see a reaction time late
+    seen_lead: float = 0.24 - 0.11  # s by which opponents extrapolate runs, seen with a delay of a reaction time
     soft: float = 2.0  # m in front of the line in which positions are compressed
 
 
@@ -89,7 +88,7 @@ DUEL, RACE, GUARD, MEET, DEFENSIVE_LINE = Duel(), Race(), Guard(), Meet(), Defen
 
 @kernel
 def tackles(match, player):
-    """Return whether a player in front of a led ball that comes closer tries for it.
+    """Return whether a player in front of an opponent's approaching ball tries to win it.
 
     A marker of the carrier waits until the carrier is close to the shooting position.
     """
@@ -107,11 +106,11 @@ def tackles(match, player):
 
 @kernel
 def goes_for_led_ball(match, i):
-    """Let player i, first of the team at an opponent's led ball, go for it if not later than the carrier; return
-    whether it does.
+    """Let player i, the first of the team at a carrier's ball, go for it if not later than the carrier; return whether
+    it does.
 
-    In GRF only the team's designated player does so, even if it marks another opponent. After each touch of a sprinter,
-    a back 6 m in front is sooner at the ball for a moment, stops, and waits for the ball.
+    In GRF only the team's designated player does so, even if it marks another opponent. For example, after each touch
+    of a sprinter, a back 6 m in front is first at the ball for a moment. The back stops and waits for the ball.
     """
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.keeper_holding != NOBODY or match.chaser[player.team] != i:
@@ -125,7 +124,7 @@ def goes_for_led_ball(match, i):
         return False
     theirs = meeting_time(ball, ahead, carrier)
     if carrier.stride < 0.0:
-        theirs = min(theirs, -carrier.stride)  # about to play it
+        theirs = min(theirs, -carrier.stride)  # about to play the ball
     elif carrier.stride > RACE.on_his_way:
         theirs = min(theirs, max(RACE.touches_every - carrier.stride, 0.0))
     in_time = (theirs + RACE.patience) / (mine + RACE.patience)
@@ -139,8 +138,8 @@ def goes_for_led_ball(match, i):
 
 @kernel
 def awaits_carrier(match, player, time):
-    """Let a player who reaches a led ball in `time` s, clearly before the carrier, wait for it on the carrier's path;
-    return whether the ball comes closer.
+    """Let a player who reaches a carrier's ball in `time` s, clearly before the carrier, wait for it on the carrier's
+    path; return whether the ball comes closer.
     """
     run_by_forces(match, player)
     ux, uy = toward(player.desired_vx, player.desired_vy)
@@ -149,7 +148,7 @@ def awaits_carrier(match, player, time):
 
 @kernel
 def tackle(match, i):
-    """Run at a led ball; slide if only a slide reaches it."""
+    """Run at a carrier's ball; slide if only a slide reaches it."""
     player = match.players[i]
     go_for_ball(match, i, player.top_speed)
     if may_slide(match, player):
@@ -172,7 +171,7 @@ def may_slide(match, player):
 def must_move(player, rival):
     """Return whether a player has to move to meet an opponent, who otherwise runs into the player.
 
-    They would meet on the opponent's way to the goal at equal distance, or just beyond.
+    The meeting point is on the opponent's way to the goal, at equal distance from both or just beyond.
     """
     goal_x = own_goal_x(player.team)
     way_x, way_y = goal_x - rival.x, -rival.y
@@ -196,9 +195,10 @@ def guard_share(match, player):
 
 @kernel
 def guarding_place(match, player, x, y):
-    """Return where a player of slot (x, y) guards the marked opponent: nearer to the opponent's shooting position.
+    """Return the position in which a player with slot (x, y) guards the marked opponent: near that opponent's shooting
+    position.
 
-    The opponent's position is extrapolated so far that a guard retreats from a sprinter instead of colliding.
+    The opponent's position is extrapolated far enough for a guard to retreat from a sprinter instead of colliding.
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
@@ -211,7 +211,7 @@ def guarding_place(match, player, x, y):
     if ahead * (from_x + way / to_goal * (goal_x - from_x)) < line:
         way = to_goal * (ahead * line - from_x) / (goal_x - from_x + math.copysign(1e-9, goal_x))
     spot_x, spot_y = from_x + way / to_goal * (goal_x - from_x), from_y * (1.0 - way / to_goal)
-    way = abs(way)  # an opponent past the line is met where it was crossed
+    way = abs(way)  # the crossing point, for an opponent who has passed the line
     off = length(spot_x - x, spot_y - y) + 1e-9
     share = min(max(off - way + GUARD.buffer, 0.0) / off, 1.0)
     x, y = x + share * (spot_x - x), y + share * (spot_y - y)
@@ -246,7 +246,7 @@ def set_defensive_lines(match):
 
 @kernel
 def deepest_danger(match, team):
-    """Return how deep in a team's half, in m from the middle, its line is: by ball, carrier, and slow teammates."""
+    """Return the depth of a team's line in m from the middle, given by the ball, the carrier, and slow teammates."""
     depth = -forward(team)
     ball = depth * match.ball.x
     low = HALF_LENGTH - DEFENSIVE_LINE.start - DEFENSIVE_LINE.fall_back
@@ -271,7 +271,7 @@ def deepest_danger(match, team):
 
 @kernel
 def held_by_line(match, team, x):
-    """Return x of a position in m, compressed in front of the defensive line."""
+    """Return the x of a position in m, compressed in front of the defensive line."""
     depth = -forward(team)
     start = -match.trap[team] - DEFENSIVE_LINE.soft
     if depth * x <= start:

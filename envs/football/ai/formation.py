@@ -1,9 +1,10 @@
 """The formation: a block of slots that moves with the ball, and which player takes which slot.
 
-A slot is a position in the block, -1 to 1 from back to front and across. It belongs to a shirt number, wherever a scene
-places that player: in Google Research Football, players run to their numbers' slots from the first step on. Teammates
-exchange slots during the match. Positions in this module are in the team's frame: u forward and v to the left, in m
-from the middle. Read next: `ai.support` and `ai.defence`, the reasons why players leave their slots.
+A slot is a position in the block, -1 to 1 from back to front and across. It belongs to a shirt number and does not
+depend on the player's position in a scene: in Google Research Football, players run to the slots of their numbers from
+the first step on. Teammates exchange slots during the match. Positions in this module are in the team's frame: u
+forward and v to the left, in m from the middle. Read next: `ai.support` and `ai.defence`, which move players off their
+slots.
 """
 
 from __future__ import annotations
@@ -20,17 +21,17 @@ from regista.envs.football.physics.pitch import forward
 from regista.envs.football.physics.vectors import length
 from regista.kernels.jit import kernel
 
-# Slots of the shirt numbers 0 to 10
+# Slots of the shirt numbers 0 to 10, from the keeper on
 SLOTS = (
     (-1.0, 0.0),
     *((-0.74, 0.77), (-1.0, 0.15), (-1.0, -0.15), (-0.74, -0.77)),
     *((0.0, 0.3), (-0.12, 0.0), (0.0, -0.3)),
     *((0.36, 0.85), (1.0, 0.0), (0.36, -0.85)),
 )
-ROOM, ROUNDS = 0.5, 10  # distance to which slots are moved apart, as far as possible in so many rounds
+ROOM, ROUNDS = 0.5, 10  # minimum distance of slots, and rounds of moving them apart
 
-# By role, from the keeper on: the line, 0 back, 1 midfield, 2 forward, an index into tables; how much of an attacker it
-# is; what is added to the width of its block in attack, to the depth in defense, to how far back the block is
+# By role, from the keeper on: the line (0 back, 1 midfield, 2 forward), an index into tables; how attacking a role is;
+# additions to the width of its block in attack, to the depth in defense, to the distance behind the ball
 LINE = (0, 0, 0, 0, 1, 1, 1, 1, 1, 2)
 MINDSET = (0.0, 0.0, 0.25, 0.25, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0)
 WIDER = (0.0, 0.052, 0.052, 0.052, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -40,56 +41,56 @@ BACK_IN_DEFENCE = (0.0, 0.0, -0.075, -0.075, 0.0, 0.0, -0.05, -0.05, 0.0, 0.0)
 
 
 class Stance(NamedTuple):
-    """The block of a team in attack, or in defense."""
+    """The shape of a team's block in attack or in defense."""
 
-    depth: float  # half of its depth, as a share of `Block.depth`
-    width: float  # half of its width, as a share of `Block.width`
-    back: float  # how far its middle is behind the ball, as a share of the pitch; 0.5 is level
-    trend: float  # shift of its middle by the possession trend, as a share
-    trend_role: float  # added per unit of how attacking a role is
-    midfield: float  # towards which the middle slots are stretched, 0 back to 1 front
-    close_up: float  # how far players close up to the ball, as a share
-    across: float  # how far players move across to the ball, as a share
+    depth: float  # half of the block's depth, as a share of `Block.depth`
+    width: float  # half of the block's width, as a share of `Block.width`
+    back: float  # distance of the block's middle behind the ball, as a share of the pitch; 0.5 is level
+    trend: float  # shift of the block's middle by the possession trend, as a share
+    trend_role: float  # added to the shift, per unit of how attacking a role is
+    midfield: float  # depth towards which the middle slots are stretched, 0 back to 1 front
+    close_up: float  # share by which players close up to the ball
+    across: float  # share by which players move across to the ball
 
 
 class Block(NamedTuple):
-    """What attack and defense share."""
+    """The parameters of the block that attack and defense share."""
 
-    depth: float = 0.45  # of half the pitch's length
-    width: float = 0.95  # of half its width
-    slow: float = 3.5  # s over which the ball's position ahead is averaged,
-    slow_across: float = 4.0  # and across, for players far from it
-    haste: float = 0.7  # shares of these times that are dropped near it
+    depth: float = 0.45  # share of half the pitch's length
+    width: float = 0.95  # share of half the pitch's width
+    slow: float = 3.5  # s over which the ball's x is averaged, for players far from it
+    slow_across: float = 4.0  # s over which its y is averaged
+    haste: float = 0.7  # share of these times that is dropped near the ball
     haste_across: float = 0.5
-    near: float = 2.0  # m to the player on the ball
+    near: float = 2.0  # m to the player on the ball, at which a player is near
     far: float = 30.0
-    unsure: float = 0.6  # weight of the ball's half while possession is unclear
-    half: float = 0.7  # of half the length: beyond it the ball is clearly in a half
+    unsure: float = 0.6  # weight of the half that the ball is in, while possession is unclear
+    half: float = 0.7  # share of half the length, beyond which the ball is clearly in a half
     long_trend: float = 0.8  # weight of the possession trend
-    now_trend: float = 0.2  # and of present possession
-    stretch: float = 0.35  # of the middle slots
-    stretch_ball: float = 0.3  # weight of the ball's position in it,
+    now_trend: float = 0.2  # weight of present possession
+    stretch: float = 0.35  # strength of stretching the middle slots
+    stretch_ball: float = 0.3  # weight of the ball's position in this stretching,
     stretch_half: float = 0.8  # up to this share of half the length
-    fit_depth: float = 0.95  # how far the middle stays away from the ends of the pitch,
-    fit_width: float = 0.9  # and from the sides, so that the block keeps its shape
+    fit_depth: float = 0.95  # share by which the middle stays away from the ends of the pitch
+    fit_width: float = 0.9  # the same for the sides; both keep the shape of the block
 
 
 class CloseUp(NamedTuple):
     """The pull of the ball on nearby players."""
 
     slow: float = 3.0  # s over which the ball is averaged in attack
-    quick: float = 2.0  # in defense, averaged with the position of the player on the ball
+    quick: float = 2.0  # s in defense; averaged with the position of the player on the ball
     ahead: float = 1.0  # m in front of the ball in attack
-    behind: float = 2.0  # m behind it in defense
-    inward: float = 0.9  # of its lateral position
-    reach: float = 50.0  # m
+    behind: float = 2.0  # m behind the ball in defense
+    inward: float = 0.9  # share of the ball's lateral position
+    reach: float = 50.0  # m, range of the pull
     flat: float = 0.8  # weight of a lateral distance
-    curve: float = 0.3  # how much of a smooth step the pull is
-    peak: float = 0.15  # share of the reach at which it is a little stronger,
+    curve: float = 0.3  # blend between a linear and a smooth step
+    peak: float = 0.15  # share of the reach at which the pull is a little stronger
     peak_width: float = 0.25
     peak_height: float = 0.1
-    across: float = 0.6  # share of it that acts across
-    least: float = 0.2  # share of it at the far end of the pitch
+    across: float = 0.6  # share of the pull that acts across
+    least: float = 0.2  # share of the pull at the far end of the pitch
 
 
 # Documented by Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
@@ -98,12 +99,12 @@ DEFENCE = Stance(0.71, 0.84, 0.54, 0.182, -0.2, 0.776, 0.938, 0.2)
 BLOCK, CLOSE_UP = Block(), CloseUp()
 LOOK_AHEAD = 0.5  # s by which runs are extrapolated when slots are exchanged
 EXCHANGED_EVERY = 4  # steps
-EXCHANGE = 0.95  # two teammates exchange slots if that shortens their ways to less than this share
+EXCHANGE = 0.95  # two teammates exchange slots if this reduces their ways to less than this share
 
 
 @cache
 def formation_slots(count: int) -> np.ndarray:
-    """Return the slots [count, 2] of the first shirt numbers, moved apart from each other except the keeper's."""
+    """Return the slots [count, 2] of the first shirt numbers; all slots but the keeper's are moved apart."""
     slots = np.array(SLOTS[:count]).reshape(-1, 2)
     for _ in range(ROUNDS):
         between = slots[1:, None] - slots[None, 1:]
@@ -111,7 +112,7 @@ def formation_slots(count: int) -> np.ndarray:
         lack = np.where(distance < ROOM, ROOM - distance, 0.0)
         slots[1:] += (0.5 * lack * between / np.maximum(distance, 1e-9)).sum(axis=1)
         slots = np.clip(slots, -1.0, 1.0)
-    slots.flags.writeable = False  # the array is shared
+    slots.flags.writeable = False  # the cached array is shared
     return slots
 
 
@@ -119,13 +120,13 @@ def formation_slots(count: int) -> np.ndarray:
 def smooth(share, strength):
     """Return a share in [0, 1], blended with a smooth step by `strength`."""
     if share in (0.0, 1.0):
-        return share  # frequent, and a sine is slow
+        return share  # a frequent case, and a sine is slow
     return strength * (0.5 + 0.5 * math.sin(math.pi * (share - 0.5))) + (1.0 - strength) * share
 
 
 @kernel
 def between(value, low, high):
-    """Return where a value lies between two others: 0 to 1."""
+    """Return the relative position of a value between two others, 0 to 1."""
     return min(max((value - low) / (high - low), 0.0), 1.0)
 
 
@@ -137,7 +138,7 @@ def blend(attack, defence, attacking):
 
 @kernel
 def slot_position_for(match, player, number, on_ball):
-    """Return the position in m of the slot of shirt number `number`, for a player who may have another number.
+    """Return the position in m of the slot of shirt number `number`, for a player with the same or another number.
 
     `on_ball` is the player who has the ball or will be first at it. The stages are: how far the team attacks, its
     block, the slot in the block, and the pull of the ball on the player.
@@ -167,7 +168,7 @@ def slot_position_for(match, player, number, on_ball):
 
 @kernel
 def slot_position(match, i, on_ball):
-    """Return the position in m of player i's own slot, which is stored in steps in which slots are exchanged."""
+    """Return the position in m of player i's own slot, and store it in steps in which slots are exchanged."""
     player = match.players[i]
     if match.step % EXCHANGED_EVERY == 0:
         return player.slot_place_x, player.slot_place_y
@@ -176,7 +177,9 @@ def slot_position(match, i, on_ball):
 
 @kernel
 def how_far_attacking(match, team, ball_u):
-    """Return how far a team attacks, 0 to 1, by possession, or by the ball's half if possession is unclear."""
+    """Return how far a team attacks, 0 to 1: by possession, or by the ball's half of the pitch if possession is
+    unclear.
+    """
     held = between(match.hold[team] - 0.5, 0.3, 0.7)
     if held in (0.0, 1.0):
         return held
@@ -186,7 +189,7 @@ def how_far_attacking(match, team, ball_u):
 
 @kernel
 def block(match, team, role, attacking, ball_u, ball_v):
-    """Return a team's block for a role: back and front, right and left edge, in m."""
+    """Return a team's block for a role in m: its back, front, right and left edges."""
     depth = BLOCK.depth * blend(ATTACK.depth, DEFENCE.depth + DEEPER[role], attacking)
     width = BLOCK.width * blend(ATTACK.width + WIDER[role], DEFENCE.width, attacking)
     back = blend(ATTACK.back + BACK_IN_ATTACK[role], DEFENCE.back + BACK_IN_DEFENCE[role], attacking)
@@ -206,7 +209,7 @@ def block(match, team, role, attacking, ball_u, ball_v):
 
 @kernel
 def stretched(slot_x, attacking, ball_u):
-    """Return a slot's depth: middle slots are stretched towards where the team needs them."""
+    """Return a slot's depth: middle slots are stretched towards the back or the front, as the team needs them."""
     near_middle = 1.0 - abs(1.2 * slot_x)
     if near_middle <= 0.0:
         return slot_x
@@ -219,7 +222,7 @@ def stretched(slot_x, attacking, ball_u):
 
 @kernel
 def follow_ball(match):
-    """Store averages of the ball's position, for all players who close up to it in this step."""
+    """Store averages of the ball's position for this step, shared by all players who close up to the ball."""
     for axis in range(2):
         match.slow_ball[axis] = mean_ball(match, CLOSE_UP.slow, axis)
         match.quick_ball[axis] = mean_ball(match, CLOSE_UP.quick, axis)
@@ -246,9 +249,9 @@ def close_up(du, dv):
 
 @kernel
 def close_up_strength(attacking, ball_u):
-    """Return how far players close up: in attack more with the ball further forward, in defense further back."""
+    """Return how far players close up: more if the ball is further forward in attack, or further back in defense."""
     side = 0.3 + 0.7 * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
-    attack = side**0.8 if attacking > 0.0 else 0.0  # powers are slow, and mostly one of them counts
+    attack = side**0.8 if attacking > 0.0 else 0.0  # avoids slow powers; usually only one of them counts
     defence = (1.0 - side) ** 0.6 if attacking < 1.0 else 0.0
     share = blend(attack, defence, attacking)
     share = CLOSE_UP.least + (1.0 - CLOSE_UP.least) * share
@@ -289,8 +292,8 @@ def outfield(match, team):
 def exchange(match, a, b, x, y, of_two):
     """Exchange two teammates' slots if that shortens their ways; a will be at (x, y).
 
-    In a team of two, both new ways must be shorter than both old ones: GRF tries exchanges of short ways first, and
-    with two players it tries no others.
+    In a team of two, both new ways must be shorter than both old ones: GRF tries exchanges of short ways first, and for
+    two players only these.
     """
     own_slot, other_slot = match.players[a.post], match.players[b.post]
     other_x, other_y = b.x + LOOK_AHEAD * b.vx, b.y + LOOK_AHEAD * b.vy

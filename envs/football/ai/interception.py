@@ -12,15 +12,15 @@ from regista.kernels.jit import kernel
 
 
 class Interception(NamedTuple):
-    """When an opponent is at a lane before the ball."""
+    """Parameters for whether an opponent reaches a lane before the ball."""
 
     lead: float = 0.2  # s by which the opponent's run is extrapolated
-    lane_end: float = 1.2  # of the lane's length, up to which the opponent is dangerous
-    ball_delay: float = 0.7  # s that a pass takes to the end of its lane, whatever its length,
-    ball_time: float = 0.03  # s/m, and per length
-    speed: float = 8.0  # m/s, the opponent's
+    lane_end: float = 1.2  # share of the lane's length, up to which opponents are dangerous
+    ball_delay: float = 0.7  # s that a pass of any length takes to the end of its lane,
+    ball_time: float = 0.03  # s/m, and additionally per m of length
+    speed: float = 8.0  # m/s of the opponent
     start: float = 1.0  # m added to the opponent's way
-    in_time: float = 0.5  # s of danger if opponent and ball arrive at once
+    in_time: float = 0.5  # s; the danger if opponent and ball arrive at the same time
 
 
 # Documented by Google Research Football; checked by `lab.benchmarks --suite grf`, families passes and matches.
@@ -29,9 +29,9 @@ INTERCEPTION = Interception()
 
 @kernel
 def danger(match, team, from_x, from_y, x, y, overhead, faster):
-    """Sum over the opponents of `team` how likely each is at the lane to (x, y) before the ball, from 0.
+    """Sum over the opponents of `team` how likely each of them reaches the lane to (x, y) before the ball, 0 to 1.
 
-    Along the first part of the lane, the share `overhead`, the ball is out of reach; it is `faster` than a pass.
+    The ball is out of reach along the first share `overhead` of the lane, and `faster` times as fast as a pass.
     """
     dx, dy = x - from_x, y - from_y
     distance = length(dx, dy) + 1e-9

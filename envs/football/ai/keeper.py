@@ -29,10 +29,10 @@ class Stand(NamedTuple):
     """Where a keeper waits."""
 
     high_line: float = 10.0  # m in front of the goal line while the ball is in the other half
-    foot: float = 0.7  # m in front of the goal line: the start of the line to the ball on which the keeper stands,
-    least: float = 0.7  # m from there at least
-    urgency: float = 2.6  # 1/s: desired speed per distance
-    still: float = 0.5  # m/s, below which the keeper stands
+    foot: float = 0.7  # m in front of the goal line, the start of the line to the ball on which the keeper stands
+    least: float = 0.7  # m from this start, at least
+    urgency: float = 2.6  # 1/s, desired speed per m of distance
+    still: float = 0.5  # m/s; at a lower desired speed the keeper stands
     on_way: float = 1.0  # m off the way to the ball, within which the keeper runs back facing the ball
     advance: float = 0.3  # share of the way to the ball while the keeper's team has it
 
@@ -41,23 +41,23 @@ class ComeOut(NamedTuple):
     """Parameters for when a keeper leaves the goal, and how far."""
 
     claim_margin: float = 0.15  # s by which the keeper must be first at a loose ball
-    claim_range: float = 30.0  # m from the goal line to it
-    shot_from: float = 20.0  # m to the goal: from where an opponent on the ball shoots,
-    second_shot_from: float = 24.0  # m, and another opponent
-    rival_lead: float = 0.32  # s by which opponents' runs are extrapolated,
-    mate_lead: float = 0.24  # s for teammates
-    ball_lead: float = 0.6  # s for the ball at least; more the longer the keeper's way to it:
-    ball_lead_more: float = 0.2  # s per s
-    committed: float = 5.0  # m to a led ball, within which the keeper goes through with it despite teammates
-    too_late: float = 1.0  # m by which a teammate is further away: too late
-    second_share: float = 0.7  # share of the way out that another free attacker at equal distance takes away
-    on_ball: float = 0.6  # weight of the ball against the opponent who has it,
-    off_ball: float = 0.4  # or will have it
-    stops_short: float = 0.5  # m
-    slide_lead: float = 0.2  # s by which keeper and ball are extrapolated,
-    dive_lead: float = 0.35  # s, if the keeper may use hands,
-    slide_near: float = 1.2  # m between them then, within which the keeper dives at an opponent's ball
-    dive_keeps: float = 0.9  # share of the speed that the keeper keeps in a step of that, at least
+    claim_range: float = 30.0  # m from the goal line to a loose ball, at most
+    shot_from: float = 20.0  # m to the goal; an opponent on the ball shoots from there
+    second_shot_from: float = 24.0  # m, the same for another opponent
+    rival_lead: float = 0.32  # s by which opponents' runs are extrapolated
+    mate_lead: float = 0.24  # s by which teammates' runs are extrapolated
+    ball_lead: float = 0.6  # s by which the ball is extrapolated, at least,
+    ball_lead_more: float = 0.2  # s, and per s of the keeper's time to the ball
+    committed: float = 5.0  # m to a led ball, within which the keeper continues despite teammates
+    too_late: float = 1.0  # m; a teammate further from the shooting position than the opponent by this is too late
+    second_share: float = 0.7  # share of the way out that another free attacker at equal distance removes
+    on_ball: float = 0.6  # weight of the ball against the opponent who has it
+    off_ball: float = 0.4  # the same against the opponent who will have it
+    stops_short: float = 0.5  # m by which the keeper stops short of the target
+    slide_lead: float = 0.2  # s by which keeper and ball are extrapolated
+    dive_lead: float = 0.35  # s, the same if the keeper may use hands
+    slide_near: float = 1.2  # m between keeper and ball by then, within which the keeper dives at an opponent's ball
+    dive_keeps: float = 0.9  # minimum share of the speed that the keeper keeps in such a step
     unshielded: float = 0.4  # cosine at the carrier between the ways to the ball and to the keeper, at least
     given_up: float = -0.4  # s, `save_wait` at which a shot is no longer expected
 
@@ -65,25 +65,25 @@ class ComeOut(NamedTuple):
 class SlideOut(NamedTuple):
     """When a keeper without hands slides at a carrier's feet, measured at the start of 19 slides."""
 
-    lead: float = 0.2  # s by which keeper and ball are extrapolated,
-    nearest: float = 0.9  # m between them then, at least,
-    farthest: float = 1.6  # and at most
-    body_nearest: float = 2.4  # m to the carrier, at least,
-    body_farthest: float = 3.8  # and at most
+    lead: float = 0.2  # s by which keeper and ball are extrapolated
+    nearest: float = 0.9  # m between them by then, at least
+    farthest: float = 1.6  # m between them by then, at most
+    body_nearest: float = 2.4  # m to the carrier, at least
+    body_farthest: float = 3.8  # m to the carrier, at most
     frontal: float = 0.85  # cosine at the carrier between the ways to the ball and to the keeper, at least
-    fresh: float = 0.15  # s since the carrier's touch, at most: the carrier cannot reach the ball sooner
+    fresh: float = 0.15  # s since the carrier's touch, at most, so that the carrier cannot reach the ball sooner
 
 
 class KickOut(NamedTuple):
     """Kick-outs: their receiver and their time."""
 
-    free: float = 10.0  # m from the nearest opponent: a free teammate
+    free: float = 10.0  # m; a teammate with no opponent within this distance is free
     least: float = 8.0  # m to a free teammate
-    most: float = 40.0  # m
-    longest: float = 40.0  # steps, after which it goes to the nearest teammate
+    most: float = 40.0  # m to a free teammate, at most
+    longest: float = 40.0  # steps, after which the ball goes to the nearest teammate
     overdue: float = 30.0  # steps after which a commanded keeper kicks out automatically
     lead: float = 0.4  # s by which a teammate's run is extrapolated
-    upfield: float = 30.0  # m, without a teammate
+    upfield: float = 30.0  # m, length of a kick upfield without a teammate
 
 
 # Documented by Google Research Football; lead times are fitted: `lab.benchmarks --suite grf`, family keeper.
@@ -155,7 +155,7 @@ def kick_out(match, i):
 
 @kernel
 def nearest_mate(match, i, free):
-    """Return player i's nearest teammate with no opponent within `free` m and not too close, -1 if none."""
+    """Return player i's nearest teammate with no opponent within `free` m who is not too close; -1 if none."""
     player = match.players[i]
     best, nearest = NOBODY, math.inf
     for j in range(match.num_players):
@@ -170,7 +170,7 @@ def nearest_mate(match, i, free):
 
 @kernel
 def opposed(match, j, within):
-    """Return whether player j has an opponent within so many m."""
+    """Return whether player j has an opponent within `within` m."""
     player = match.players[j]
     for k in range(match.num_players):
         rival = match.players[k]
@@ -199,7 +199,7 @@ def goes_for_loose_ball(match, i):
 
 @kernel
 def throws_himself(match, i):
-    """Return whether an opponent's ball is about to come into keeper i's reach, without a body in between."""
+    """Return whether a carrier's ball is about to come into keeper i's reach, with no body in between."""
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
         return False
@@ -250,7 +250,7 @@ def lunge(match, i):
 
 @kernel
 def throw(match, i):
-    """Run to where keeper i meets the ball; a dive does not stop there."""
+    """Run to the point where keeper i meets the ball; a dive does not stop there."""
     player = match.players[i]
     chase(match, i, player.top_speed)
     want, speed = length(player.desired_vx, player.desired_vy), OUT.dive_keeps * length(player.vx, player.vy)
@@ -260,7 +260,7 @@ def throw(match, i):
 
 @kernel
 def lone(match, i):
-    """Return whether keeper i is alone in the team: then every loose ball is the keeper's, once play has begun."""
+    """Return whether keeper i is alone in the team; such a keeper goes for every loose ball once play has begun."""
     mates = 0
     for j in range(match.num_players):
         mates += match.players[j].team == match.players[i].team and not match.players[j].has_left
@@ -271,7 +271,8 @@ def lone(match, i):
 def boldness(match, i):
     """Return the share of the way to the ball by which keeper i comes out to an opponent about to shoot.
 
-    It is 0 if a teammate can stop the opponent, 1 if only that opponent is dangerous, and less if another one is near.
+    It is 0 if a teammate can stop the opponent, 1 if only that opponent is dangerous, and less if another opponent is
+    near.
     """
     team = match.players[i].team
     goal_x = own_goal_x(team)
@@ -293,7 +294,7 @@ def boldness(match, i):
 
 @kernel
 def ways_to_shot(match, i, j, range_of_shot):
-    """Return how far in m opponent j is from the shooting position, and how far keeper i's nearest teammate is."""
+    """Return the distances in m of opponent j and of keeper i's nearest teammate from the shooting position."""
     rival = match.players[j]
     goal_x = own_goal_x(match.players[i].team)
     x, y = rival.x + OUT.rival_lead * rival.vx, rival.y + OUT.rival_lead * rival.vy
@@ -310,7 +311,7 @@ def ways_to_shot(match, i, j, range_of_shot):
 
 @kernel
 def nearest_to_goal(match, team, but):
-    """Return the player of `team`, except one, nearest to the goal that it attacks; -1 none."""
+    """Return the player of `team`, except `but`, nearest to the goal that the team attacks; -1 if none."""
     goal_x = -own_goal_x(team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
@@ -337,12 +338,12 @@ def come_out(match, i, share):
 
 @kernel
 def stand(match, i):
-    """Stand on the bisector of the angle from the ball to the posts, or high while the ball is far."""
+    """Stand on the bisector of the angle from the ball to the posts, or high up the pitch while the ball is far."""
     player = match.players[i]
     goal_x = own_goal_x(player.team)
     x, y = match.ball.x, match.ball.y
     near = x * goal_x > -HALF_LENGTH * FARTHEST_ROLL or fall_time(match.ball) > 0.0
-    if x * goal_x > 0.0 or (near and match.ball.vx * goal_x > 0.0):  # else the ball stays in the other half
+    if x * goal_x > 0.0 or (near and match.ball.vx * goal_x > 0.0):  # otherwise the ball stays in the other half
         x, y = led_ball(match, i)
     if x * goal_x <= 0.0:
         hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
@@ -362,14 +363,14 @@ def led_ball(match, i):
 
 @kernel
 def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
-    """Go this share of the way to a point, from the bisector of the angle from the ball to the posts.
+    """Start on the bisector of the angle from the ball to the posts, and go a share of the way to a point.
 
-    On the way back towards the goal the keeper only runs, unless the point is behind.
+    On the way back towards the goal the keeper only runs instead of sprinting, unless the point is behind.
     """
     goal_x = own_goal_x(player.team)
     foot_x = goal_x - math.copysign(STAND.foot, goal_x)
     middle = bisector_foot(ball_x - goal_x, ball_y)  # on the goal line
-    before = STAND.foot / max(abs(goal_x - ball_x), STAND.foot)  # share of the way back from there
+    before = STAND.foot / max(abs(goal_x - ball_x), STAND.foot)  # the same share of the way from there to the ball
     foot_y = min(max(middle + before * (ball_y - middle), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
     dx, dy = to_x - foot_x, to_y - foot_y
     way = length(dx, dy) + 1e-9
@@ -383,7 +384,7 @@ def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
 
 @kernel
 def hurry_to(player, x, y, most):
-    """Desire a velocity towards a point, proportional to the distance but at most this speed."""
+    """Desire a velocity towards a point, proportional to the distance and limited to `most`."""
     dx, dy = x - player.x, y - player.y
     distance = length(dx, dy)
     speed = min(STAND.urgency * distance, most)
@@ -393,6 +394,6 @@ def hurry_to(player, x, y, most):
 
 @kernel
 def bisector_foot(dx, y):
-    """Return y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
+    """Return the y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
     near, far = length(dx, y - GOAL_HALF_WIDTH), length(dx, y + GOAL_HALF_WIDTH)
     return GOAL_HALF_WIDTH * (far - near) / (far + near + 1e-9)

@@ -20,7 +20,7 @@ from regista.kernels.jit import kernel
 class Danger(NamedTuple):
     """Which opponents are most dangerous: those nearest to a point between goal and ball."""
 
-    marked: int = 3  # opponents
+    marked: int = 3  # number of opponents
     goal: float = 0.8  # weight of the goal against the ball
     depth: float = 2.0  # m in front of the goal line
     on_ball: float = 5.8  # m by which the opponent on the ball counts as nearer
@@ -30,23 +30,23 @@ class Quality(NamedTuple):
     """How well a player can mark an opponent."""
 
     lead: float = 0.1  # s by which both runs are extrapolated
-    behind: float = 0.5  # m, up to which an opponent counts as not yet past
-    ahead: float = 2.0  # m, the best distance
-    far_ahead: float = 60.0  # m off it, the worst
-    wide_least: float = 4.0  # m aside, the worst near the goal
-    wide_most: float = 14.0  # m, and far from it
-    passed: float = 0.6  # of the quality, if the opponent is past
+    behind: float = 0.5  # m, up to which an opponent counts as not yet past the player
+    ahead: float = 2.0  # m goalside of the opponent, the best distance
+    far_ahead: float = 60.0  # m from that distance, the worst case
+    wide_least: float = 4.0  # m aside, the worst case near the goal
+    wide_most: float = 14.0  # m aside, the worst case far from it
+    passed: float = 0.6  # factor of the quality if the opponent is past the player
     share: float = 0.8  # weight of quality against nearness
 
 
 class Press(NamedTuple):
     """Pressing the opponent on the ball."""
 
-    range: float = 10.0  # m to the opponent,
-    range_defender: float = 10.0  # and this much more for a defender
+    range: float = 10.0  # m to the opponent
+    range_defender: float = 10.0  # m more for a defender
     lead: float = 0.1  # s by which the opponent's run is extrapolated, to find the nearest players
-    rival_lead: float = 0.12  # s, the opponent's run for the distance
-    own_lead: float = 0.04  # s, the presser's own run
+    rival_lead: float = 0.12  # s by which the opponent's run is extrapolated, for the distance
+    own_lead: float = 0.04  # s by which the presser's own run is extrapolated
 
 
 # Documented by Google Research Football; families matches and academy of `lab.benchmarks --suite grf`.
@@ -64,7 +64,7 @@ def choose_markers(match):
 
 @kernel
 def mark_the_dangerous(match, team):
-    """Let the best placed free defenders of `team` mark the most dangerous opponents."""
+    """Let the best-placed free defenders of `team` mark the most dangerous opponents."""
     taken = 0
     for _ in range(DANGER.marked):
         rival = most_dangerous(match, team, taken)
@@ -78,7 +78,8 @@ def mark_the_dangerous(match, team):
 
 @kernel
 def most_dangerous(match, team, taken):
-    """Return the opponent of `team` nearest to a point between its goal and the ball, except the bits `taken`.
+    """Return the opponent of `team` nearest to a point between its goal and the ball, except those with bits in
+    `taken`.
 
     The player on the ball counts as nearer; a keeper counts like any other player. -1: none.
     """
@@ -138,7 +139,7 @@ def choose_pressers(match):
 
 @kernel
 def find_nearest_two(match, team, rival):
-    """Write the two players of `team` nearest to where an opponent will be in a moment."""
+    """Find and store the two players of `team` nearest to the extrapolated position of an opponent."""
     x, y = rival.x + PRESS.lead * rival.vx, rival.y + PRESS.lead * rival.vy
     first, second = math.inf, math.inf
     for i in range(match.num_players):

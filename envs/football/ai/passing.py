@@ -1,7 +1,7 @@
 """Passes of the built-in AI: receiver, kind, and timing; and the clearance of a defender under pressure.
 
-As documented by Google Research Football: the gain times the probability of arrival, with more patience shortly after
-getting the ball. Read next: `skills.kicks`, which executes passes.
+As documented by Google Research Football, the worth of a pass is the gain times the probability of arrival. A player
+who has just received the ball waits for a better pass. Read next: `skills.kicks`, which executes passes.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from regista.kernels.jit import kernel
 
 
 class Worth(NamedTuple):
-    """The worth of a pass, and the worth from which it is played. There is no maximum length."""
+    """The worth of a pass, and the minimum worth of passes that are played. There is no maximum length."""
 
     ground_least: float = 4.0  # m to the receiver of any pass
-    high_least: float = 12.0  # m, of a high one
-    better: float = 0.1  # by how much the receiver's situation must be better
-    gain_most: float = 4.0  # a larger gain counts no more
-    at_once: float = 0.25  # least gain times odds just after getting the ball,
-    in_time: float = 0.035  # the same after a while:
-    patience: float = 50.0  # steps
-    first_time: float = 0.2  # the same for a first-time pass
+    high_least: float = 12.0  # m to the receiver of a high pass
+    better: float = 0.1  # minimum advantage of the receiver's situation
+    gain_most: float = 4.0  # maximum of the gain
+    at_once: float = 0.25  # minimum worth just after getting the ball,
+    in_time: float = 0.035  # falling to this
+    patience: float = 50.0  # within this many steps
+    first_time: float = 0.2  # minimum worth of a first-time pass
     keeper_share: float = 0.7  # factor of the worth of a pass to the own keeper
-    high_loss: float = 0.55  # factor of the odds
+    high_loss: float = 0.55  # factor of the odds of a high pass
     lead: float = 0.4  # s by which a receiver's run is extrapolated
-    long_lead: float = 0.2  # of the distance, towards the goal
+    long_lead: float = 0.2  # share of the distance, by which the target is moved towards the goal
     overhead: float = 0.6  # share of its way on which a high pass is out of reach
-    onside: float = -1.8  # m: error in judging offside
+    onside: float = -1.8  # m, error in judging offside
 
 
 class Panic(NamedTuple):
     """Clearances."""
 
-    mindset: float = 0.25  # a player less attacking than this clears
+    mindset: float = 0.25  # players less attacking than this clear the ball
     range: float = 30.0  # m to the own goal
     near: float = 2.5  # m to an opponent
-    cleared: float = 38.0  # m
+    cleared: float = 38.0  # m, length of a clearance
 
 
 # Documented by Google Research Football; odds and patience are fitted: `lab.benchmarks --suite grf`, family matches.
@@ -102,7 +102,7 @@ def best_pass(match, i, threshold):
 def best_kind(match, player, mate, own, gain):
     """Compare a pass to a teammate's feet, into the run, and through the air: kind, worth, and target.
 
-    `own` rates the player's own situation, `gain` is the teammate's advantage over it.
+    `own` is the value of the player's own situation, `gain` the teammate's advantage over it.
     """
     distance = apart(mate, player)
     x, y = mate.x + WORTH.lead * mate.vx, mate.y + WORTH.lead * mate.vy

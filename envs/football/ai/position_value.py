@@ -18,12 +18,12 @@ from regista.kernels.jit import kernel
 class Value(NamedTuple):
     """The value of a position."""
 
-    progress_least: float = 2.0  # weight of ground, for a defender
-    progress_most: float = 8.0  # and at the front
-    ahead: float = 0.4  # weight of room ahead,
+    progress_least: float = 2.0  # weight of ground gained, for a defender
+    progress_most: float = 8.0  # the same for a forward
+    ahead: float = 0.4  # weight of free space ahead
     ahead_range: float = 20.0  # m
     ahead_width: float = 0.5  # tangent of half the angle that counts as ahead
-    around: float = 0.3  # weight of room all around
+    around: float = 0.3  # weight of free space all around
     around_range: float = 10.0  # m
 
 
@@ -40,7 +40,7 @@ def eagerness(match, player):
 
 @kernel
 def position_value(match, player, x, y):
-    """Rate the ball at (x, y) for a player's team, with the player's own weight of ground gained."""
+    """Return the value of the ball at (x, y) for a player's team, with the player's own weight of ground gained."""
     goal_x = attacked_goal_x(player.team)
     to_x, to_y = goal_x - x, -y
     to_goal = length(to_x, to_y) + 1e-9

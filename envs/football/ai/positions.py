@@ -1,7 +1,7 @@
 """The target position of a built-in player without the ball: slot, support of the ball, marking, defensive line.
 
-The stages are Google Research Football's and the same with and without the ball: the share of possession determines
-their weights. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
+The stages are those of Google Research Football and the same with and without the ball: the share of possession
+determines their weights. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ class Own(NamedTuple):
     """The weight of a player's own slot against the exchanged one, far from the ball."""
 
     share: tuple[float, ...] = (1.0, 0.9, 0.8)  # backs, midfield, forwards
-    near: float = 15.0  # m to the player on the ball: up to here the exchanged slot counts,
-    far: float = 20.0  # from here on the own slot
+    near: float = 15.0  # m to the player on the ball; up to here the exchanged slot counts
+    far: float = 20.0  # m; from here on the player's own slot counts
 
 
 # Documented by Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 OWN = Own()
-STRIDE = 3  # steps of a stride, at whose end a player chooses a new target; the phase differs between shirts,
-NEAR_BALL = 10.0  # m to the ball, within which a player does not wait for it
+STRIDE = 3  # steps of a stride, at whose end a player chooses a new target; the phase depends on the shirt number
+NEAR_BALL = 10.0  # m to the ball; nearer players choose a target in every step
 
 
 @kernel
@@ -77,7 +77,7 @@ def choose_place(match, i):
 
 @kernel
 def own_place(match, i, first):
-    """Return the position of player i's slot: near the ball the exchanged one, far from it the own."""
+    """Return the position of player i's slot: the exchanged slot near the ball, the player's own slot far from it."""
     player = match.players[i]
     far = between(apart(player, match.players[first]), OWN.near, OWN.far)
     if player.post == i:

@@ -17,24 +17,24 @@ from regista.kernels.jit import kernel
 class Effort(NamedTuple):
     """The effort of a player to reach its position."""
 
-    urgency: float = 2.6  # 1/s: desired speed per distance
-    sprint: float = 8.0  # m/s that count in full,
-    overflow: float = 0.1  # and share of the desired speed above
-    lazy_from: float = 20.0  # m to the opponent on the ball
+    urgency: float = 2.6  # 1/s, desired speed per m of distance
+    sprint: float = 8.0  # m/s, up to which the desired speed counts in full
+    overflow: float = 0.1  # share of the desired speed above that which counts
+    lazy_from: float = 20.0  # m to the opponent on the ball, from which on players slow down
     lazy_to: float = 65.0
     from_tired: float = 0.8  # share of `lazy_from` that tired players lose
     to_tired: float = 0.5
-    least_lazy: float = 0.5  # share of the laziness that does not depend on the role
-    breath: float = 1.2  # share of the speed left when out of breath
+    least_lazy: float = 0.5  # share of the slowing down that does not depend on the role
+    breath: float = 1.2  # factor of the share of speed left when out of breath
     breath_curve: float = 0.66
 
 
 class GaitChoice(NamedTuple):
-    """Which gait of the body fits a desired speed: the upper limits of ..."""
+    """The gait that fits a desired speed, given by the upper limits of standing, walking and running."""
 
     stands: float = 1.8  # m/s
     walks: float = 4.2  # m/s
-    runs: float = 6.0  # m/s; a sprint above
+    runs: float = 6.0  # m/s; above it a player sprints
 
 
 class Reaction(NamedTuple):
@@ -42,7 +42,7 @@ class Reaction(NamedTuple):
 
     unskilled: float = 0.16  # s, at difficulty 0
     skilled: float = 0.06  # s, at difficulty 1
-    skill_range: float = 0.7  # of `skill`, from difficulty 0 to 1
+    skill_range: float = 0.7  # range of `skill` from difficulty 0 to 1
 
 
 # Documented by Google Research Football; family matches of `lab.benchmarks --suite grf`.
@@ -61,7 +61,7 @@ def head_for(match, player, x, y, rival):
 
 @kernel
 def lazy_speed(match, player, desired, rival):
-    """Return the desired speed in m/s reduced far from the action, by role, and when out of breath."""
+    """Return the desired speed in m/s, reduced far from the ball, by role, and when out of breath."""
     fresh = 1.0 - player.tiredness
     start = EFFORT.lazy_from * (1.0 - EFFORT.from_tired * player.tiredness)
     end = EFFORT.lazy_to * (1.0 - EFFORT.to_tired * (1.0 - fresh))
@@ -75,7 +75,7 @@ def lazy_speed(match, player, desired, rival):
         speed = max(speed, DRIBBLE_SPEED)
     slowest = EFFORT.sprint * (1.0 - lazy)
     if speed <= slowest or gait_speed(player, speed) == gait_speed(player, slowest):
-        return speed  # no player is out of breath at this gait; this saves a power, which is slow
+        return speed  # no player is out of breath at this gait; skips a power, which is slow
     breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
     return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 

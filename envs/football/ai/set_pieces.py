@@ -1,8 +1,8 @@
-"""Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots; then play goes on.
+"""Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots; then play continues.
 
-A restart is visible for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick,
-corner or free kick, 6 or 7 at a penalty, including the step in which play stopped. An agent's taker waits for a pass or
-a shot of the agent; after 20 steps the AI passes. Meanwhile all other players stand. Read next:
+A restart is visible for the same number of steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal
+kick, corner or free kick, 6 or 7 at a penalty. This includes the step in which play stopped. An agent's taker waits for
+a pass or a shot of the agent; after 20 steps the AI passes. Meanwhile all other players stand. Read next:
 `rules.restarts`, which places the players.
 """
 
@@ -40,10 +40,10 @@ from regista.kernels.rng import uniform
 class Taker(NamedTuple):
     """How long a restart takes, and how its taker runs up."""
 
-    quicker: float = 0.4  # how often the built-in taker is one step quicker
+    quicker: float = 0.4  # probability that the built-in taker is one step quicker
     patience: int = 20  # steps that an agent's taker waits
-    line_wait: float = 0.4  # s after a set piece during which side lines do not count
-    at_ball: float = 0.5  # m from taker to ball at the kick
+    line_wait: float = 0.4  # s after a set piece in which side lines are ignored
+    at_ball: float = 0.5  # m from taker to ball at the time of the kick
 
 
 class Throw(NamedTuple):
@@ -54,24 +54,24 @@ class Throw(NamedTuple):
     gain: float = 0.42  # m/s per m to the receiver
     most: float = 17.2  # m/s
     lift: float = 2.4  # m/s upwards
-    lob_lift: float = 4.2  # m/s, of a high one
+    lob_lift: float = 4.2  # m/s upwards, of a high throw
 
 
 class Choice(NamedTuple):
     """Choices of the built-in taker."""
 
-    shot_range: float = 28.0  # m from a free kick to the goal, if less than 45° off its middle, for a shot
-    corner: float = 3.0  # m off the middle of the goal, the target
-    crowded: float = 2.0  # m to the nearest opponent: a bad receiver,
-    free: float = 10.0  # m, a perfect one
+    shot_range: float = 28.0  # m from a free kick to the goal, at most, for a shot; and less than 45° off its middle
+    corner: float = 3.0  # m from the middle of the goal to the target
+    crowded: float = 2.0  # m to the nearest opponent, for the worst receiver
+    free: float = 10.0  # m, for the best receiver
     gain: float = 0.01  # rating per m up the pitch
-    throw_far: float = 25.0  # m: receivers further away are not considered at a throw-in,
-    pass_far: float = 60.0  # m, nor otherwise
-    high_from: float = 24.0  # m: passed high
+    throw_far: float = 25.0  # m, maximum distance of the receiver of a throw-in
+    pass_far: float = 60.0  # m, maximum distance of other receivers
+    high_from: float = 24.0  # m; passes to further receivers are high
 
 
 # Timing is counted in GRF's matches, the choice is documented by GRF: `lab.benchmarks --suite grf`, family matches.
-SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps for which a restart is shown at most, by mode
+SHOWN = (0, 0, 6, 6, 6, 3, 7)  # maximum number of steps for which a restart is shown, by mode
 TAKER, THROW, CHOICE = Taker(), Throw(), Choice()
 
 
@@ -79,7 +79,7 @@ TAKER, THROW, CHOICE = Taker(), Throw(), Choice()
 def wait_for_restart(match):
     """Spend a step of a restart: the taker decides, runs up, and in the last step kicks.
 
-    Return whether play still waits.
+    Return whether play is still stopped.
     """
     taker = match.taker
     if taker == NOBODY:
@@ -133,7 +133,7 @@ def approach(match, taker):
 
 @kernel
 def put_in_play(match, taker):
-    """Kick or throw the ball: play goes on, and for a moment the side lines do not count."""
+    """Kick or throw the ball: play continues, and for a moment the side lines are ignored."""
     player, mode = match.players[taker], match.game_mode
     match.game_mode, match.restart_team, match.taker = NORMAL, NOBODY, NOBODY
     match.line_wait = TAKER.line_wait

@@ -22,34 +22,34 @@ from regista.kernels.rng import uniform
 class When(NamedTuple):
     """Conditions for a shot."""
 
-    spot: float = 7.0  # m in front of the goal:
-    range: float = 12.7  # m around there
-    chance: float = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-    luck: float = 0.5  # the maximum of that draw
-    sprinting: float = 6.0  # m/s: a sprinter with the ball
+    spot: float = 7.0  # m in front of the goal, the center of the shooting area
+    range: float = 12.7  # m, radius of this area
+    chance: float = 0.5  # a player shoots if sqrt(odds) + U(0, 0.5) exceeds this in any frame
+    luck: float = 0.5  # maximum of this uniform draw
+    sprinting: float = 6.0  # m/s; a faster carrier sprints
     stride_fits: float = 0.5  # chance per step that the stride allows a shot
 
 
 class Lane(NamedTuple):
-    """The corners that are considered, and the way there."""
+    """The corners of the goal, and the lanes of shots to them."""
 
-    corner: float = 3.6  # m off the middle of the goal
-    aim: float = 3.5  # m off it, the target of a shot at that corner
+    corner: float = 3.6  # m from the middle of the goal to the corner whose lane is rated
+    aim: float = 3.5  # m from the middle of the goal to the target at this corner
     lead: float = 0.12  # s by which the shooter's run is extrapolated
-    faster: float = 3.0  # than a pass
+    faster: float = 3.0  # factor of the speed of a pass
 
 
 class Strike(NamedTuple):
     """The parameters of a requested shot."""
 
-    behind_line: float = 1.0  # m, the target
-    run_lead: float = 0.2  # s
-    aim_share: float = 0.7  # of the direction
-    run_share: float = 0.3  # taken off it for a run at this speed:
+    behind_line: float = 1.0  # m behind the goal line, where the target is
+    run_lead: float = 0.2  # s by which the shooter's run is extrapolated
+    aim_share: float = 0.7  # weight of the direction to the target
+    run_share: float = 0.3  # weight of the run, subtracted, at a speed of
     full_speed: float = 8.0  # m/s
-    power_least: float = 0.7  # of the maximum, by luck
-    power_near: float = 0.6  # share of it from distance 0,
-    power_far: float = 0.4  # more from this distance:
+    power_least: float = 0.7  # random share of the power, at least
+    power_near: float = 0.6  # share of the maximum power at distance 0,
+    power_far: float = 0.4  # and this added at a distance of
     far: float = 32.0  # m to the goal
 
 

@@ -21,64 +21,64 @@ class Forces(NamedTuple):
     """The field of forces: pulls, pushes, their strengths and ranges."""
 
     look_ahead: float = 0.1  # s by which all runs are extrapolated
-    step: float = 8.0  # m of the displacement at most
-    damped: float = 7.0  # m, below which a pull grows weaker
-    slot: float = 0.7  # the slot pulls,
-    slot_near: float = 0.3  # with this share close to it,
-    slot_far: float = 20.0  # and in full from here on, m
+    step: float = 8.0  # m, maximum displacement
+    damped: float = 7.0  # m; nearer pulls are weaker
+    slot: float = 0.7  # strength of the slot's pull
+    slot_near: float = 0.3  # share of it close to the slot
+    slot_far: float = 20.0  # m, from which on the slot pulls in full
     lane: float = 22.0  # m by which attackers' slots are moved forward, next to the lane
     lane_aside: float = 8.0  # m from the middle, on the side without the ball
     lane_width: float = 30.0  # m
     support: float = 12.0  # m by which the supporting player's slot is moved forward,
-    support_least: float = 0.3  # and share of it for defenders
-    run: float = 2.0  # the goal pulls a player who runs behind the defense
-    rivals: int = 3  # nearest opponents, which push,
+    support_least: float = 0.3  # share of it for defenders
+    run: float = 2.0  # strength of the goal's pull on a player who runs behind the defense
+    rivals: int = 3  # number of nearest opponents that push
     rival: float = 0.3
-    rival_shadow: float = 2.0  # m behind them, seen from the ball
+    rival_shadow: float = 2.0  # m behind the opponents, seen from the ball: the center of their push
     rival_reach: float = 5.0  # m
     rival_curve: float = 0.7
-    run_reach: float = 2.0  # m, of opponents to such a runner,
-    run_share: float = 0.5  # of their push
-    mates: int = 5  # nearest teammates, which push,
+    run_reach: float = 2.0  # m, reach of opponents' push on a player who runs behind the defense
+    run_share: float = 0.5  # factor of that push
+    mates: int = 5  # number of nearest teammates that push
     mate: float = 0.4
     mate_reach: float = 10.5  # m
-    mates_from: float = 1.02  # possession from which teammates push,
-    ball_from: float = 1.06  # and the ball's path does
+    mates_from: float = 1.02  # share of possession from which on teammates push
+    ball_from: float = 1.06  # share of possession from which on the ball's path pushes
     ball: float = 1.0
     ball_reach: float = 2.0  # m
     ball_curve: float = 0.5
-    carrier: float = 0.45  # the player on the ball pulls,
-    carrier_far: float = 21.0  # m: up to here
-    carrier_near: float = 12.0  # and from here on pushes as well
+    carrier: float = 0.45  # strength of the pull of the player on the ball
+    carrier_far: float = 21.0  # m; players further away are only pulled
+    carrier_near: float = 12.0  # m; from here on the player on the ball also pushes
 
 
 class Run(NamedTuple):
     """Runs behind the defense."""
 
-    ahead: float = 26.0  # m in front of the player on the ball: the player nearest to there may run
-    within: float = 40.0  # m to the player on the ball
-    spot: float = 10.0  # m behind the runner, where opponents are counted,
+    ahead: float = 26.0  # m in front of the player on the ball; the player nearest to this point may run
+    within: float = 40.0  # m to the player on the ball, at most
+    spot: float = 10.0  # m behind the runner, where opponents are counted
     rivals: int = 4
     range: float = 15.0  # m
     push: float = 0.3
-    rating: float = 0.5  # from which a player runs
+    rating: float = 0.5  # minimum rating for a run
     steps: int = 40
-    share: tuple[float, ...] = (1.0, 0.9, 0.7)  # of the forces, from which a run of back, midfielder, forward counts
+    share: tuple[float, ...] = (1.0, 0.9, 0.7)  # minimum share of the forces for a run of back, midfielder, forward
 
 
 # Documented by Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 FORCES, RUN = Forces(), Run()
-SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # possession above 0.5 in which each line's forces grow
-RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push
-LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's shift
-BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's path pushes
-ONSIDE = 0.08  # m in front of the line
+SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # bounds of possession, less 0.5, between which forces grow
+RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # strength of opponents' pushes, by role
+LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # share of the lane's shift, by role
+BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead: the positions on the ball's path that push
+ONSIDE = 0.08  # m short of the offside line
 RUNS_EVERY, SUPPORT_EVERY = 5, 15  # steps
 
 
 @kernel
 def support_share(match, player):
-    """Return the share of the way from the slot by which the forces move a player."""
+    """Return the share of the way from the slot to the position given by the forces that a player moves."""
     line = LINE[player.role]
     return between(match.hold[player.team] - 0.5, SHARE_FROM[line], SHARE_TO[line])
 
@@ -92,7 +92,7 @@ def runs_behind(match, i, share):
 
 @kernel
 def supporting_place(match, i, x, y, carrier, runs):
-    """Return where the forces lead player i, whose slot is at (x, y), while the teammate `carrier` has the ball."""
+    """Return the position to which forces move player i with slot (x, y), while the teammate `carrier` has the ball."""
     player, first = match.players[i], match.players[carrier]
     ahead = forward(player.team)
     at_x, at_y = player.x + FORCES.look_ahead * player.vx, player.y + FORCES.look_ahead * player.vy
@@ -120,7 +120,7 @@ def supporting_place(match, i, x, y, carrier, runs):
 
 @kernel
 def pulled(dx, dy, power):
-    """Return the pull of something at (dx, dy): a vector, weaker when near, and its weight."""
+    """Return the pull of a point at (dx, dy): a vector, weaker when near, and its weight."""
     distance = math.sqrt(dx * dx + dy * dy) + 1e-9
     share = power * min(distance / FORCES.damped, 1.0) / distance
     return share * dx, share * dy, power
@@ -128,7 +128,7 @@ def pulled(dx, dy, power):
 
 @kernel
 def pushed(dx, dy, power, reach, curve):
-    """Return the push of something at (dx, dy), 0 out of reach: a vector, and its weight."""
+    """Return the push of a point at (dx, dy), 0 out of reach: a vector, and its weight."""
     distance = math.sqrt(dx * dx + dy * dy)
     if distance >= reach:
         return 0.0, 0.0, 0.0
@@ -157,7 +157,7 @@ def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
 
 @kernel
 def push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs):
-    """Return the push of the nearest opponents. It starts behind them, seen from the ball, where no pass arrives."""
+    """Return the push of the nearest opponents. It starts behind them as seen from the ball, where no pass arrives."""
     power = FORCES.rival * RIVAL_BY_ROLE[match.players[player.post].role] * (FORCES.run_share if runs else 1.0)
     reach = FORCES.run_reach if runs else FORCES.rival_reach
     push_x, push_y, pushes = 0.0, 0.0, 0.0
@@ -222,7 +222,7 @@ def onside_line(match, team):
 
 @kernel
 def choose_runners(match):
-    """Count down runs; every half second let the team on the ball start one if it has no runner."""
+    """Count down runs; every half second let the team on the ball start a run if it has no runner."""
     for team in (LEFT, RIGHT):
         match.run_steps_left[team] -= 1
         if match.run_steps_left[team] <= 0:
@@ -238,7 +238,7 @@ def choose_runners(match):
 
 @kernel
 def start_run(match, team, on_ball):
-    """Send the best placed teammate behind the defense, if there is room."""
+    """Send the best-placed teammate behind the defense, if there is room."""
     runner = nearest_mate_to(match, on_ball, RUN.ahead, True)
     if runner == NOBODY or apart(match.players[runner], match.players[on_ball]) > RUN.within:
         return
@@ -250,7 +250,7 @@ def start_run(match, team, on_ball):
 
 @kernel
 def room_to_run(match, player):
-    """Return how few opponents are behind a player (1: none); GRF checks behind the player, not in front."""
+    """Return the room for a run, by the opponents behind a player (1: none); GRF checks behind, not in front."""
     x, y = player.x - forward(player.team) * RUN.spot, 0.8 * player.y
     room = 1.0
     for j in range(match.num_players):
@@ -263,7 +263,7 @@ def room_to_run(match, player):
 
 @kernel
 def nearest_mate_to(match, i, ahead, is_free):
-    """Return player i's teammate nearest to `ahead` m in front, -1 none; with `is_free` not an agent's player."""
+    """Return player i's teammate nearest to `ahead` m in front, -1 if none; with `is_free`, not an agent's player."""
     player = match.players[i]
     x, y = player.x + forward(player.team) * ahead, player.y
     best, nearest = NOBODY, math.inf

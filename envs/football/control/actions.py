@@ -1,7 +1,7 @@
 """From actions to desired velocities: the 19 actions, sticky actions, kick buttons and the pull of a free ball.
 
-And back: the one of the 19 actions that is nearest to a program's command (`main_action`) or to the built-in AI's
-decision (`desired_action`). Read next: `control.magnet`; `ai.decide`, which decides for all players without a command,
+It also converts back: from a program's command (`main_action`) or the built-in AI's decision (`desired_action`) to the
+nearest of the 19 actions. Read next: `control.magnet`; `ai.decide`, which decides for all players without a command,
 and `skills.kicks`, which executes kicks.
 """
 
@@ -45,16 +45,16 @@ from regista.kernels.rng import uniform
 
 
 class Ask(NamedTuple):
-    """Conditions under which a button requests a kick for a player without the ball: it must not be much later at the
-    ball than the opponents.
+    """When a button requests a kick for a player without the ball: the player must reach the ball not much after the
+    opponents.
     """
 
-    in_time: float = 0.85  # of the opponents' time by the player's, with `Pull.patience`,
+    in_time: float = 0.85  # minimum of the opponents' time divided by the player's time, with `Pull.patience`
     high_pass: float = 1.0  # the same for a high pass
-    high: float = 1.5  # m, height of the ball above which
-    high_ease: float = 0.2  # a lower ratio is enough
-    slide_from: float = 1.2  # m to a ball that an opponent leads: a nearer player tries for it standing up,
-    slide: float = 1.15  # and a player who is in time by more than this for a free ball does not slide
+    high: float = 1.5  # m; for a ball above this height,
+    high_ease: float = 0.2  # the minimum ratio is lower by this
+    slide_from: float = 1.2  # m; a player nearer to an opponent's led ball than this tackles standing
+    slide: float = 1.15  # at a free ball, a player whose ratio of times is higher does not slide
 
 
 class Turns(NamedTuple):
@@ -62,10 +62,10 @@ class Turns(NamedTuple):
 
     at_once: float = 0.1  # s; a turn is immediate with probability at_once / (at_once + longest wait)
     runner: float = 0.15  # s at most
-    dribbler: float = 0.2  # s
-    sprinter: float = 0.4  # s
-    slow: float = 2.0  # m/s: a sprinter who has slowed down to this leaves the arc
-    sets_off: float = 0.3  # s, for a player who stands, or stops, and begins to dribble
+    dribbler: float = 0.2  # s at most
+    sprinter: float = 0.4  # s at most
+    slow: float = 2.0  # m/s; a sprinter who has slowed down to this leaves the arc
+    sets_off: float = 0.3  # s, for a player who begins to dribble from standing or after stopping the ball
 
 
 # Fitted to 600 drawn turns of Google Research Football: `lab.benchmarks --suite grf`, family motion.
@@ -76,16 +76,16 @@ CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, without the effect 
 SETTING_OFF = 4  # steps of possession in which a carrier who has requested a pass still completes the first turn
 STOPPED = 2.0  # m/s of the ball, below which a carrier can stop with it
 PASSING_PACE = 2.9  # m/s up to which a carrier who has requested a pass still accelerates
-STANDS, SPRINTS = 0.5, 5.5  # m/s: a desired speed below is a stop, one above a sprint
-PACE_EVERY = 4  # steps: how often the recorded action is the pace, not the direction
+STANDS, SPRINTS = 0.5, 5.5  # m/s: a lower desired speed is a stop, a higher one a sprint
+PACE_EVERY = 4  # steps: how often the recorded action expresses the pace instead of the direction
 
 
 @kernel
 def apply_action(match, i, actions):
     """Apply one action of player i, or several: update sticky actions, kick or slide, and set the desired velocity.
 
-    Several actions are digits in base NUM_COMMANDS, the first highest. Of actions that exclude each other (two
-    directions, an action and its release, kicks and slides) the first counts.
+    Several actions are digits in base NUM_COMMANDS, the first action is the highest digit. Of actions that exclude each
+    other (two directions, an action and its release, kicks and slides), the first one applies.
     """
     player = match.players[i]
     button, direction, dribble = IDLE, player.direction, player.dribble
@@ -143,7 +143,7 @@ def update_sticky_actions(player, action):
 
 @kernel
 def release_sticky_actions(match, i):
-    """Clear the sticky actions and a kick that has not begun: the built-in AI has taken over player i."""
+    """Clear the sticky actions and a kick that has not begun, because the built-in AI has taken over player i."""
     player = match.players[i]
     player.direction = 0
     player.sprint = False
@@ -184,8 +184,8 @@ def takes_place(kick, action):
 
 @kernel
 def may_slide(match, i):
-    """Return whether the slide button works for player i: no kick is requested, and a carrier is far enough away, or
-    at a free ball the player is neither first of the team nor sooner than the opponents.
+    """Return whether the slide button works for player i: no kick is requested, and the carrier's ball is far enough
+    away. At a free ball, the player must be neither the first of the team nor clearly ahead of the opponents.
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):
@@ -199,7 +199,7 @@ def may_slide(match, i):
 
 @kernel
 def may_ask(match, i, button):
-    """Return whether a button means a kick for player i: the carrier, or first at the ball or hardly later."""
+    """Return whether a button requests a kick for player i: the carrier, the first at the ball, or hardly later."""
     player = match.players[i]
     if i in (match.carrier, match.kicker) or (is_ours(match, player.team) and match.chaser[player.team] == i):
         return True
@@ -213,9 +213,9 @@ def may_ask(match, i, button):
 def steer(match, i):
     """Set the velocity that the sticky actions request, corrected by the pull of a free ball.
 
-    A carrier who has requested a pass runs on until it is kicked; one who has requested a shot does so while the leg
-    swings or without a held direction. Sprint and dribble held together disable the pull of a free ball, as in
-    Google Research Football.
+    A carrier who has requested a pass runs on until the ball is kicked. A carrier who has requested a shot does so
+    while the leg swings, or if no direction is held. Sprint and dribble held together disable the pull of a free ball,
+    as in Google Research Football.
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
@@ -243,10 +243,10 @@ def steer(match, i):
 
 @kernel
 def run_on(player, speed, sets_off):
-    """Let a carrier who has requested a kick run straight on, up to a run if the direction does not lead back.
+    """Let a carrier who has requested a kick run straight on, at up to running speed unless the direction leads back.
 
-    A carrier who hardly runs yet starts in the held direction; one who sets off with the ball to pass turns to the last
-    desired velocity. A carrier about to pass does not accelerate beyond `PASSING_PACE`.
+    A carrier who hardly moves starts in the held direction. A carrier who sets off and has requested a pass turns to
+    the last desired velocity. A carrier about to pass does not accelerate beyond `PASSING_PACE`.
     """
     now = length(player.vx, player.vy)
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
@@ -278,8 +278,8 @@ def requested_speed(player, with_ball):
 
 @kernel
 def main_action(player, command):
-    """Return the main action of a command: a kick or a slide, else the first action that changes something, else the
-    first; IDLE for the built-in AI's.
+    """Return the main action of a command: a kick or a slide, else the first action that changes a sticky action, else
+    the first; IDLE for the built-in AI.
     """
     told = IDLE
     while command > 0:  # from the last to the first
@@ -293,7 +293,7 @@ def main_action(player, command):
 
 @kernel
 def is_button(action):
-    """Return whether an action is a kick or a slide, which takes effect once, not as long as it is held."""
+    """Return whether an action is a kick or a slide, which takes effect once instead of as long as it is held."""
     return is_kick(action) or action == SLIDING
 
 
@@ -334,7 +334,8 @@ def changes(player, action):
 def desired_action(player, step):
     """Return the one of the 19 actions nearest to the built-in AI's decision; NO_ACTION while the player is down.
 
-    The AI decides on a direction and a pace at once; an action expresses only one of them, so the step selects which.
+    The AI decides on a direction and a pace at the same time. An action expresses only one of them, so it depends on
+    the step which one is returned.
     """
     if player.is_sliding and player.down_wait >= SLIDE.time:
         return SLIDING
@@ -347,5 +348,5 @@ def desired_action(player, step):
         return RELEASE_DIRECTION
     if step % PACE_EVERY == PACE_EVERY - 1:
         return SPRINT if speed > SPRINTS else RELEASE_SPRINT
-    eighths = round(math.atan2(player.desired_vy, player.desired_vx) / (math.pi / 4))  # 0 along +x, counterclockwise
+    eighths = round(math.atan2(player.desired_vy, player.desired_vx) / (math.pi / 4))  # from +x, counterclockwise
     return (4 - eighths) % 8 + 1

@@ -1,10 +1,10 @@
 """The player that a single agent of Google Research Football controls: how control changes, and the first step.
 
-Each team has a *designated* player, who should win the ball. That player becomes the active one as soon as only that
-team owns the ball, or if the time to the ball is a third of the active player's; keepers are excepted. A pass makes
-its receiver both. Sticky actions move with the agent; a kick or a slide stays with its player. An episode begins with a
-player who may be far from the ball (the keeper, in small teams), and these rules apply within the first step. So a
-kick or slide of the first step is usually lost.
+Each team has a *designated* player, who should win the ball. The designated player becomes active as soon as only that
+team owns the ball, or if it needs a third of the active player's time to the ball. Keepers are excepted. A pass makes
+its receiver both designated and active. Sticky actions move along with the agent; a kick or a slide stays with its
+player. An episode begins with a player who may be far from the ball (the keeper, in small teams), and these rules apply
+within the first step. So a kick or slide of the first step is usually lost.
 Read next: `control.agents`, the other control modes.
 """
 
@@ -20,15 +20,15 @@ from regista.kernels.jit import kernel
 
 
 class Designation(NamedTuple):
-    """When another player becomes the designated one: clearly sooner at the ball."""
+    """When another player becomes the designated one: if it reaches the ball clearly sooner."""
 
     patience: float = 0.5  # s added to both times
     rating: float = 0.8  # ratio of the times, below which the designation changes
     has_ball: float = 0.5  # factor of the ratio for the ball's owner
     is_active: float = 0.8  # factor of the ratio for the agent's player
-    ahead: float = 0.1  # s before the first opponent: a change is less urgent then, unless the agent moves the player
-    ahead_more: float = 0.2  # added to the rating then,
-    ahead_times: float = 1.2  # which is also multiplied by this
+    ahead: float = 0.1  # s; if the present player leads all opponents by more, a change (except to the agent's player)
+    ahead_more: float = 0.2  # is less urgent: this is added to the rating,
+    ahead_times: float = 1.2  # and the sum is multiplied by this
 
 
 # Documented by Google Research Football, and checked against the first steps of its episodes.
@@ -39,7 +39,7 @@ FIRST_PLAYERS = (0, 0, 0, 0, 0, 0, 5, 6)  # index of the active player when a ma
 
 @kernel
 def settle_first_step(match):
-    """Let `active` agents get their players before the first step is played; only their sticky actions move along."""
+    """Assign players to `active` agents before the first step is played; only their sticky actions move along."""
     first = 0
     for team in range(2):
         if match.control[team] == ACTIVE:
@@ -105,7 +105,7 @@ def is_passed_to(match, team):
 
 @kernel
 def designate(match, team, active):
-    """Choose a team's designated player: the soonest at the ball, if clearly sooner than the present one."""
+    """Choose a team's designated player: the first one at the ball, if clearly sooner than the current one."""
     ahead, present = look_ahead(match.ball), match.designated[team]
     is_there = present != NOBODY and not match.players[present].has_left
     best, soonest = first_of_team(match, team, present if is_there else NOBODY, ahead)
@@ -125,9 +125,9 @@ def designate(match, team, active):
 
 @kernel
 def first_of_team(match, team, likely, ahead):
-    """Return the player of `team` who is soonest at the ball, -1 none, and the time in s.
+    """Return the player of `team` who reaches the ball first (-1: none), and the time in s.
 
-    The `likely` one, -1 for none, is tried first: this rules out most of the others quickly.
+    The player `likely` (-1: none) is tried first, which rules out most of the others quickly.
     """
     best, soonest = likely, math.inf
     if likely != NOBODY:

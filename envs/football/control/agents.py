@@ -1,4 +1,4 @@
-"""The agents' part of a step: their actions are applied to their players, then each agent is assigned its next player.
+"""The agents' part of a step: apply their actions to their players, then assign the next player to each agent.
 
 The assignment is the last part of a step, so an agent observes the player that its next action moves. Read next:
 `control.control_modes`, the names of the modes; `control.actions`, which turns actions into desired velocities and
@@ -53,7 +53,7 @@ def assign_actions(match, actions):
 
 @kernel
 def apply_commanded_actions(match):
-    """Let agents that leave their players to the program apply its commands, one action a step as agents do."""
+    """Apply the program's commands to players of agents that leave them to the program, one action per step."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] == BY_PROGRAM and i != NOBODY and match.players[i].action != BUILTIN_AI:
@@ -110,7 +110,7 @@ def choose_controlled(match):
 
 @kernel
 def choose_closest(match, team, first):
-    """Give the agents of a team, from `first` on, its players closest to the ball; ties keep program order."""
+    """Give the agents of a team, from `first` on, its players closest to the ball; ties are broken by program order."""
     for i in range(match.num_players):
         if match.players[i].team == team:
             match.players[i].agent = NOBODY

@@ -1,4 +1,4 @@
-"""The control modes: which players of a team the agents move, and the assignment when a match begins.
+"""The control modes: which players of a team agents move, and the assignment at the beginning of a match.
 
     closest1, closest2, closest3    the players closest to the ball, nearest first, chosen again before every action
     active                          one player, as for a single agent of Google Research Football: on the ball or
@@ -9,8 +9,8 @@
     all, allNonGK                   all players, or all but the keeper, in the order of the program; they stay
     none                            no players: the built-in AI moves the whole team
 
-Ties are broken by the order of the program. Only `active` begins as GRF does. With all other modes an action always
-moves the player of the preceding observation. Read next: `control.agents`, the assignment in each step.
+Ties are broken by the order of the program. Only `active` begins in the same way as GRF. In all other modes, an action
+always moves the player of the preceding observation. Read next: `control.agents`, the assignment in each step.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
 
 
 def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
-    """Give the agents of new matches MATCH `[N]` their players; `modes` of the left and the right team."""
+    """Assign players to the agents of new matches MATCH `[N]`; `modes` are those of the left and the right team."""
     players = matches["players"][:, : matches["num_players"][0]]
     matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
     first = 0

@@ -23,7 +23,7 @@ from regista.kernels.jit import kernel
 
 @kernel
 def end_episode(match):
-    """Set the reason why the episode ended, if it has; an event takes precedence over the duration."""
+    """Set the reason for the end of the episode, if it has ended; events take precedence over the duration."""
     if match.goal != 0 and match.end_episode_on_score:
         match.ended = GOAL
     elif match.game_mode != NORMAL and match.end_episode_on_out_of_play:
@@ -40,7 +40,8 @@ def end_episode(match):
 
 @kernel
 def has_succeeded(match, defending):
-    """Return whether the agents' team succeeds: more goals than the other, or when defending, none conceded.
+    """Return whether the agents' team succeeds: it has more goals than the other team, or when defending, concedes
+    none.
 
     The agents' team is the left one unless only the right one has agents.
     """

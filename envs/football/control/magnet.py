@@ -1,7 +1,8 @@
 """The pull of a free ball on an agent's player: which player it attracts, how strongly, and where they meet.
 
-As in Google Research Football, the first player at the ball runs to it whatever direction is held, and waits for it if
-clearly first; any other player mixes the held direction and the way to the ball. Read next: `control.actions`.
+As in Google Research Football, the first player at the ball runs to it whatever direction is held, and waits for the
+ball if clearly first. If an opponent is first, the player's velocity mixes the held direction and the way to the ball.
+Read next: `control.actions`.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ class Pull(NamedTuple):
     """How a free ball attracts a player who is not the first at it."""
 
     patience: float = 0.2  # s added to both teams' times to the ball
-    too_late: float = 0.5  # of the opponents' time by the player's: below this there is no pull
-    curve: float = 0.8  # exponent of how alike the directions are
-    memory: float = 2.0  # s for which the last player to touch the ball is favored,
-    touched: float = 0.4  # to this power,
-    soon: float = 1.7  # s to the ball at most, for a pull
+    too_late: float = 0.5  # ratio of the opponents' time to the player's, below which there is no pull
+    curve: float = 0.8  # exponent of the similarity of the directions
+    memory: float = 2.0  # s for which the last player to touch the ball is favored
+    touched: float = 0.4  # exponent of the share of `memory` that is left
+    soon: float = 1.7  # s to the ball at most, for the pull on that player
     standing: float = 1.8  # m/s, below which a player stands
     at_rest: float = 0.5  # m/s, below which a player or a ball is at rest
-    body: float = 0.75  # m to a ball at rest, from which on a standing player puts out a leg for it,
-    leg: float = 0.83  # and up to which
+    body: float = 0.75  # m to a ball at rest, at or beyond which a standing player puts out a leg for it,
+    leg: float = 0.83  # m, and below which
 
 
 # Documented by Google Research Football; checked against its episodes, continued from the state after each step.
@@ -39,7 +40,7 @@ PULL = Pull()
 
 @kernel
 def follow_magnet(match, i):
-    """Turn the desired velocity of player i towards a free ball, or the player's own far from the feet, by its pull."""
+    """Turn the desired velocity of player i towards a free ball, or towards the player's own ball far from the feet."""
     player = match.players[i]
     if player.kick == 0 and (match.carrier not in (NOBODY, i) or match.chaser[player.team] != i):
         return
@@ -59,7 +60,7 @@ def follow_magnet(match, i):
 
 @kernel
 def at_hand(match, player):
-    """Return whether a player who stands, with no direction held, puts out a leg for a resting ball, without a run."""
+    """Return whether a standing player with no direction held puts out a leg for a resting ball, instead of running."""
     ball = match.ball
     return (
         player.direction == 0
@@ -71,8 +72,8 @@ def at_hand(match, player):
 
 @kernel
 def awaits(match, i):
-    """Let player i, clearly first at a moving ball, meet it where that suits the held direction best; return whether
-    it does.
+    """Let player i, if clearly first at a moving ball, meet it at the point that suits the held direction best; return
+    whether it does.
     """
     player = match.players[i]
     time = match.arrival[player.team]
@@ -92,7 +93,7 @@ def action_direction(player):
 
 @kernel
 def in_time_by(match, player, time):
-    """Return the ratio of the opponents' time to the ball by the player's `time` in s: above 1 the player is first."""
+    """Return the ratio of the opponents' time to the ball to the player's `time` in s: above 1 the player is first."""
     return (match.arrival[1 - player.team] + PULL.patience) / (time + PULL.patience)
 
 
@@ -104,7 +105,7 @@ def is_ours(match, team):
 
 @kernel
 def pull(match, i):
-    """Return how strongly, 0 to 1, a free ball attracts the first of a team if an opponent is sooner.
+    """Return how strongly, 0 to 1, a free ball attracts the first player of a team if an opponent is sooner.
 
     The pull falls with the delay and with the angle to the held direction, unless the player has just touched the ball.
     """

@@ -24,7 +24,8 @@ def clear_rewards(match):
 
 @kernel
 def agent_reward(match, agent, checkpoints):
-    """Return an agent's reward for the last step: +1 or -1 for a goal, with `checkpoints` 0.1 for each new one.
+    """Return an agent's reward for the last step: +1 or -1 for a goal and, with `checkpoints`, 0.1 for each new
+    checkpoint.
 
     The `scenic_reward` of the program's monitors is added.
     """
@@ -34,7 +35,7 @@ def agent_reward(match, agent, checkpoints):
 
 @kernel
 def team_reward(match, checkpoints):
-    """Return the mean reward of the left team's agents, or of the right one's if the left has none."""
+    """Return the mean reward of the left team's agents, or of the right team's if the left team has no agents."""
     first, last = 0, match.num_agents[LEFT]
     if last == 0:
         last = num_agents(match)
@@ -54,9 +55,9 @@ def side(match, agent):
 
 @kernel
 def add_checkpoint_rewards(match):
-    """Reward each agent once for each checkpoint while its player owns the ball, and for the rest at a goal.
+    """Reward each agent once for each checkpoint while its player owns the ball, and for the remaining ones at a goal.
 
-    As in Google Research Football's wrapper, the agent's player after the step counts.
+    As in Google Research Football's wrapper, the player that the agent has after the step must own the ball.
     """
     for agent in range(num_agents(match)):
         reached, forward = match.checkpoints[agent], side(match, agent)
@@ -72,5 +73,5 @@ def add_checkpoint_rewards(match):
 
 @kernel
 def threshold(reached):
-    """Return the distance to the goal of the next checkpoint after so many."""
+    """Return the distance to the goal of the next checkpoint, after `reached` checkpoints."""
     return FIRST_CHECKPOINT - reached * CHECKPOINT_SPAN / (CHECKPOINTS - 1)

@@ -1,7 +1,7 @@
 """The `features` observation: a vector for an MLP, from the viewpoint of the agent's player.
 
-Everything is in the frame of the player's team, which attacks +x, and scaled so that typical values are about 1. The
-other players come in a fixed order: teammates, then opponents, each in the order of the match.
+All entries are in the frame of the player's team, which attacks +x, and are scaled so that typical values are about 1.
+The other players are in a fixed order: teammates, then opponents, each in the order of the match.
 Read next: `observation.observer`, the other representations.
 """
 
@@ -27,13 +27,13 @@ OTHER_SIZE = len(OTHER_NAMES)
 
 LIMIT = 6.0  # every entry is in [-LIMIT, LIMIT]
 NEARBY = 20.0  # m, unit of distances to others
-CLOSE = 4.0  # m, at which `near` is one half
+CLOSE = 4.0  # m; the entry `near` is one half at this distance
 LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the player to the goal's center
 SOON = 1.0  # s, unit of waits
 
 
 def features_size(num_players: int) -> int:
-    """Return the number of entries for matches of so many players."""
+    """Return the number of entries for matches of `num_players` players."""
     return BASE_SIZE + OTHER_SIZE * (num_players - 1)
 
 
@@ -138,7 +138,7 @@ def _write_command(me, row, at):
 
 @kernel
 def _write_team(match, i, team, side, ux, uy, row, at):
-    """Write the players of a team except player i, for whom the opponents' goal lies along u."""
+    """Write the players of a team except player i; (ux, uy) points from player i to the opponents' goal."""
     me = match.players[i]
     for index in range(match.num_players):
         other = match.players[index]

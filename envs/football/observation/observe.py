@@ -24,7 +24,7 @@ class View(NamedTuple):
 
     vectors: np.ndarray  # [N, A, F] float32
     planes: np.ndarray  # [N, A, 72, 96, C] uint8
-    pixels: np.ndarray  # [N, A, K, 3] uint8, those of the planes that are set, see `SparseImage`
+    pixels: np.ndarray  # [N, A, K, 3] uint8, coordinates of the pixels that are set in the planes, see `SparseImage`
 
 
 @kernel(inline=True)
@@ -46,6 +46,6 @@ def observe(batch, index, view, kind):
 
 @kernel(inline=True)
 def remember_minimap(batch, index, kind):
-    """Store what later observations of match number `index` need."""
+    """Store the positions that later observations of match number `index` need."""
     if kind in (SMM, SMM_STACKED):
         remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])

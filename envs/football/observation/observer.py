@@ -7,7 +7,7 @@
                    both also as the coordinates of the marks, `SparseImage`        [24 or 96, 3] uint8  `smm`
     raw            GRF's dict                                                                       `raw`
 
-One agent's observation has no agent axis; several agents' has one, and `raw` gives a tuple of dicts.
+With one agent, observations have no agent axis; with several, they have one, and `raw` is a tuple of dicts.
 Read next: `observation.observe`.
 """
 
@@ -33,11 +33,11 @@ NO_PIXELS = (0, 0, 0, 3)  # shape of the pixels of observations that have none
 
 
 class Observer:
-    """One representation for the matches of one line-up; `sparse`: planes as the coordinates of their marks.
+    """One representation for the matches of one line-up; with `sparse`, planes are the coordinates of their marks.
 
     Attributes:
-        kind: its number, for kernels.
-        space: of one environment's observation.
+        kind: the number of the representation, for kernels.
+        space: the space of one environment's observation.
     """
 
     def __init__(self, representation: str, lineup: Lineup, sparse: bool = False) -> None:
@@ -76,7 +76,7 @@ class Observer:
         return simple115_unit() if self.kind == SIMPLE115 else np.ones(features_size(self._players))
 
     def allocate(self, count: int) -> View:
-        """Allocate zeroed arrays for `count` matches: kernels need not clear them, and the caller may keep them."""
+        """Allocate zeroed arrays for `count` matches; new ones each time, so kernels need not clear them."""
         shape = (count, self._agents)
         if self.kind in (FEATURES, SIMPLE115, RAW):
             return self.view_of(np.zeros((*shape, *(self._shape or (0,))), np.float32))
@@ -89,11 +89,11 @@ class Observer:
         return View(vectors, np.zeros((*vectors.shape[:2], 0, 0, 0), np.uint8), np.zeros(NO_PIXELS, np.uint8))
 
     def minimap_history(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Allocate the memory of `count` matches, see `smm`."""
+        """Allocate the minimap history of `count` matches, see `smm`."""
         return empty_history(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
 
     def read(self, view: View, matches: np.ndarray) -> Any:
-        """Return the observations `[N, ...]` for the caller, from the arrays in `view`, or from matches MATCH `[N]`."""
+        """Return the observations `[N, ...]`, from the arrays in `view` or, for `raw`, from matches MATCH `[N]`."""
         if self.kind == RAW:
             dicts = [raw_observation(matches, agent, self._sizes, right) for agent, right in enumerate(self._rights)]
             return dicts[0] if self._agents == 1 else tuple(dicts)

@@ -17,11 +17,11 @@ from regista.envs.football.constants import BALL_RADIUS, STEP
 from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 
 FAR = 1e6
-MANY = 2**31  # goals, steps
+MANY = 2**31  # maximum of goals and steps
 
 
 def raw_space(ours: int, theirs: int) -> Dict:
-    """Return the space of one agent's observation with so many players in its own and in the other team."""
+    """Return the space of one agent's observation, given the numbers of players in its own and in the other team."""
     real, whole = np.float64, np.int64
     spaces: dict[str, Space] = {
         "ball": Box(-FAR, FAR, (3,), real),
@@ -49,7 +49,7 @@ def raw_space(ours: int, theirs: int) -> Dict:
 def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], right: bool) -> dict[str, np.ndarray]:
     """Describe MATCH `[N]` to an agent of the left or the right team: a dict of arrays, each with N as its first axis.
 
-    `sizes` are the numbers of players of both teams. -1 stands for no player.
+    `sizes` are the numbers of players of both teams. -1 means no player.
     """
     ball, players = matches["ball"], matches["players"][:, : sum(sizes)]
     me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
@@ -106,7 +106,7 @@ def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
 def _sticky(players: np.ndarray, me: np.ndarray, right: bool) -> np.ndarray:
     """Return the ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
     rows = np.arange(len(players))
-    sticky = np.zeros((len(players), 10), np.int8)  # as Gymnasium batches `MultiBinary`
+    sticky = np.zeros((len(players), 10), np.int8)  # the type of Gymnasium's `MultiBinary`
     direction = players["direction"][rows, me]
     pressed = (direction > 0) & (me >= 0)
     sticky[rows[pressed], (direction[pressed] - 1 + 4 * right) % 8] = 1

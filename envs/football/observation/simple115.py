@@ -21,9 +21,10 @@ _DIRECTIONS, _THEIRS, _BALL, _OWNER, _ACTIVE, _MODE = 22, 44, 88, 94, 97, 108
 
 
 def simple115_unit() -> np.ndarray:
-    """Return the size of a large change of each entry `[115]`: half a pitch, a sprint, a shot, the crossbar; or 1.
+    """Return the size of a large change of each entry `[115]`: half a pitch, a sprint, a shot, the crossbar's height,
+    or 1.
 
-    The format has speeds per step, far below 1: these units scale them as in `features`.
+    Speeds in this format are per step and far below 1. These units scale them as in `features`.
     """
     unit, plane = np.ones(SIZE), np.array([1 / UNIT_X, -1 / UNIT_Y])
     players = unit[:_BALL].reshape(2, 2, TEAM, 2)  # team, place or direction, player, x or y
@@ -59,7 +60,7 @@ def write_simple115(match, agent, row):
     for i in range(match.num_players):
         player = match.players[i]
         if player.has_left:
-            continue  # as if the player had never been in the team
+            continue  # the same as for a missing player
         at = 2 * player.shirt + (0 if player.team == me.team else _THEIRS)
         row[at] = side * player.x / UNIT_X
         row[at + 1] = side * player.y / UNIT_Y

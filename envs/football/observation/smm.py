@@ -1,11 +1,11 @@
-"""The `smm` observation: Google Research Football's super mini map, planes of 72 × 96 pixels for our team, the
-other team, the ball and the agent's player; 255 marks a position. `smm_stacked` has those of the last four steps,
+"""The `smm` observation: Google Research Football's super mini map. It has planes of 72 × 96 pixels for our team, the
+other team, the ball and the agent's player; 255 marks a position. `smm_stacked` has the planes of the last four steps,
 oldest first.
 
 With `pixels = "sparse"`, an observation is the coordinates of the marks instead, see `ued.core.sparse_image`.
 
-Only the positions of the last four steps are stored per match, and drawn for each observation: a few hundred bytes
-instead of 110,592 in each record, and drawing only writes a few pixels into zeroed planes.
+Each match stores only the positions of the last four steps, which every observation draws. This takes a few hundred
+bytes instead of 110,592, and drawing writes only a few pixels into zeroed planes.
 Read next: `observation.observer`.
 """
 
@@ -20,10 +20,10 @@ from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.kernels.jit import kernel
 
 HEIGHT, WIDTH = 72, 96  # pixels
-FRAMES = 4  # that are stored
-CHANNELS = 4  # of a frame: our team, theirs, the ball, the agent's player
-MARKS = MAX_PLAYERS + 2  # at most in a frame: all players, the ball, the agent's player
-HALF_HEIGHT = 1.0 / 2.25  # GRF's units from the middle to the upper and to the lower edge
+FRAMES = 4  # number of stored frames
+CHANNELS = 4  # planes of a frame: our team, the other team, the ball, the agent's player
+MARKS = MAX_PLAYERS + 2  # maximum marks in a frame: all players, the ball, the agent's player
+HALF_HEIGHT = 1.0 / 2.25  # in GRF's units, from the middle to the upper and to the lower edge
 
 
 def empty_history(count: int, players: int, agents: int) -> tuple[np.ndarray, np.ndarray]:
@@ -60,15 +60,15 @@ def _note(match, places, agents):
 
 @kernel
 def write_planes(match, agent, places, agents, planes):
-    """Draw the last frames as an agent sees them into `planes` `[72, 96, C]` uint8, which are zero; C is 4 or 16."""
+    """Draw the last frames, as an agent sees them, into zeroed `planes` `[72, 96, C]` uint8; C is 4 or 16."""
     _draw(match, agent, places, agents, planes.shape[2] // CHANNELS, planes)
 
 
 @kernel
 def write_pixels(match, agent, places, agents, pixels):
-    """Write the coordinates of the marks in these planes into `pixels` `[K, 3]` uint8; K is MARKS of each frame.
+    """Write the coordinates of the marks in the planes into `pixels` `[K, 3]` uint8; K is MARKS times the frames.
 
-    Each occurs once, in the order of the planes in memory; unused rows are (HEIGHT, 0, 0).
+    Each mark occurs once, in the order of the planes in memory; unused rows are (HEIGHT, 0, 0).
     """
     for k in range(len(pixels)):
         pixels[k, 0], pixels[k, 1], pixels[k, 2] = HEIGHT, 0, 0
@@ -108,7 +108,7 @@ def _mark(seen, channel, x, y):
 
 @kernel
 def _insert(pixels, row, column, channel):
-    """Insert a pixel into ascending ones `[K, 3]`, unless it is among them."""
+    """Insert a pixel into ascending `pixels` `[K, 3]`, unless they contain it."""
     for k in range(len(pixels)):
         other = int(pixels[k, 0]), int(pixels[k, 1]), int(pixels[k, 2])
         if other == (row, column, channel):
@@ -117,4 +117,4 @@ def _insert(pixels, row, column, channel):
             pixels[k, 0], pixels[k, 1], pixels[k, 2] = row, column, channel
             row, column, channel = other  # the rest moves down
             if row == HEIGHT:
-                return  # an unused one
+                return  # an unused row

@@ -26,8 +26,8 @@ class Air(NamedTuple):
     gravity: float = 9.81  # m/s²
     drag: float = 0.015  # 1/m: deceleration is this times v²
     swerve: float = 0.3  # m/s² per rad/s of spin, at most
-    swerve_turn: float = 0.94 * math.pi  # rad, of the sine by which swerve grows and falls with speed:
-    fastest: float = 70.0  # m/s
+    swerve_turn: float = 0.94 * math.pi  # rad, range of the sine by which swerve grows and falls with speed,
+    fastest: float = 70.0  # m/s, the speed at the end of that range
     swerve_power: float = 2.6
     spin_least: float = 0.5  # rad/s; a slower spin does not bend the flight
 
@@ -38,16 +38,16 @@ class Ground(NamedTuple):
     drag: float = 0.04  # 1/m
     friction: float = 1.6  # m/s²
     grass: float = 0.025  # m, height above the ground over which its grip fades out
-    fading: float = 0.7  # exponent of the fading
+    fading: float = 0.7  # exponent of this fading
     bounce: float = 0.62  # share of vertical speed kept,
-    bounce_loss: float = 0.06  # m/s, and lost
+    bounce_loss: float = 0.06  # m/s of vertical speed lost in addition
     rolling: float = 0.12  # m/s; a slower impact does not bounce
     grip: float = 0.01  # share of the difference between speed and spin that the ground removes in a frame,
-    grip_bounce: float = 0.5  # at a bounce, in full from this impact on:
+    grip_bounce: float = 0.5  # the same at a bounce, in full from this impact on:
     soft_impact: float = 0.5  # m/s
     hard_impact: float = 12.0  # m/s more
-    spin_gain: float = 0.345  # m/s by which spin may approach speed in a frame,
-    spin_gain_bounce: float = 1.38  # m/s, at a bounce
+    spin_gain: float = 0.345  # m/s by which spin may approach speed in a frame
+    spin_gain_bounce: float = 1.38  # m/s, the same at a bounce
 
 
 class Frame(NamedTuple):
@@ -96,12 +96,12 @@ def fly(ball):
         bounce(ball)
     if ball.z < BALL_RADIUS + GROUND.grass:
         lifted = (ball.z - BALL_RADIUS) / GROUND.grass
-        drag_on_ground(ball, (1.0 - lifted) ** GROUND.fading if lifted != 0.0 else 1.0, 0.0)  # a power is slow
+        drag_on_ground(ball, (1.0 - lifted) ** GROUND.fading if lifted != 0.0 else 1.0, 0.0)  # since a power is slow
 
 
 @kernel
 def swerve(ball, speed):
-    """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side."""
+    """Bend the flight of a spinning ball (Magnus effect), most at about 37 m/s: top spin down, curl to the side."""
     wx, wy, wz = -ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
     if wx * wx + wy * wy + wz * wz < AIR.spin_least * AIR.spin_least or speed < 1.0:
         return
@@ -136,7 +136,7 @@ def even_out(ball, share, gain):
     ball.vx += share * slip_x
     ball.vy += share * slip_y
     squared = slip_x * slip_x + slip_y * slip_y
-    if squared <= gain * gain:  # rolling, without the square root
+    if squared <= gain * gain:  # rolling; compared without a square root
         ball.spin_x, ball.spin_y, ball.curl = ball.vx, ball.vy, 0.0
         return
     spin_share = min(gain / math.sqrt(squared), 1.0 - share)
@@ -202,7 +202,7 @@ def reflected(va, vb, a, b):
 
 @kernel
 def rolled(speed, time):
-    """Return the distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
+    """Return the distance in m that a ball of this speed rolls in `time` seconds, with a mean deceleration."""
     slowing = GROUND.friction + MEAN_DRAG * speed * speed
     time = min(time, speed / slowing)
     return speed * time - 0.5 * slowing * time * time

@@ -14,33 +14,33 @@ from regista.kernels.jit import kernel
 
 
 class Push(NamedTuple):
-    """Which of two colliding bodies gives way, and its loss of speed, as documented by Google Research Football."""
+    """Which of two colliding bodies gives way, and the loss of speed, as documented by Google Research Football."""
 
-    back: float = 0.8  # less for a player with the back to the other,
-    speed: float = 0.2  # more for the faster player, in full at
-    speed_range: float = 8.0  # m/s,
-    ball: float = 0.4  # less for the carrier; the sum stays within -1 and 1;
-    least: float = 0.25  # share of the way that the player then gives at least
-    most: float = 0.1  # m of it that affects the velocity afterwards, at most,
-    kept: float = 0.6  # share of that a step later: 0.95 a frame
-    along: float = 1.87  # m between teammates, within which they adopt each other's movement,
-    drag: float = 0.24  # at most this share of the difference,
-    uneven: float = 0.45  # added to one half of it for the player who gives way
+    back: float = 0.8  # a player with the back to the other gives way less by this
+    speed: float = 0.2  # the faster player gives way more by this, in full at a difference of
+    speed_range: float = 8.0  # m/s
+    ball: float = 0.4  # the carrier gives way less by this; the sum of all three is clipped to [-1, 1]
+    least: float = 0.25  # minimum share of the displacement for a player who gives way
+    most: float = 0.1  # m, maximum displacement that affects the velocity afterwards
+    kept: float = 0.6  # share of this effect that is left a step later: 0.95 a frame
+    along: float = 1.87  # m between teammates, within which they adopt each other's movement
+    drag: float = 0.24  # maximum share of the difference of velocities
+    uneven: float = 0.45  # added to one half of this share for the player who gives way
 
 
 PUSH = Push()
 # Measured in Google Research Football for players who overlap when play begins: `lab.benchmarks --suite grf`,
 # family academy.
-SAME_PLACE = 0.03  # m between bodies that count as overlapping fully: they stumble apart,
-STUMBLE = 0.3  # s, for which the first steps to the right, the other on the spot,
+SAME_PLACE = 0.03  # m; bodies closer than this overlap fully and stumble apart
+STUMBLE = 0.3  # s, for which one body steps to the right, and the other on the spot
 STUMBLE_SPEED = 3.9  # m/s
-STEPS_ASIDE = 0.22  # m, each at once
-BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
+STEPS_ASIDE = 0.22  # m, immediate displacement of each body
+BODIES_NEAR = 2.6  # m; pairs further apart than this cannot meet within a step
 
 
 @kernel
 def advance_players(match, who, frames):
-    """Move the players whose bits are in `who` by so many frames of 10 ms; return 0, the number of frames left."""
+    """Move the players whose bits are in `who` by `frames` frames of 10 ms; return 0, the number of frames left."""
     for i in range(match.num_players):
         if who >> i & 1 == 1:
             player = match.players[i]
@@ -67,7 +67,7 @@ def keep_on_pitch(player):
 
 @kernel
 def crowded(match):
-    """Find the pairs of players who could meet within this step; return the bits of all players in a pair."""
+    """Find the pairs of players who could meet within this step; return the bits of all players in any pair."""
     crowd = 0
     for i in range(1, match.num_players):
         a = match.players[i]
@@ -83,7 +83,7 @@ def crowded(match):
 
 @kernel
 def part_bodies(match, crowd):
-    """Push overlapping players apart, of the pairs of a `crowd`; a beaten player obstructs no opponent."""
+    """Push overlapping players in the pairs of a `crowd` apart; a beaten player does not obstruct opponents."""
     for i in range(1, match.num_players):
         if crowd >> i & 1 == 0:
             continue
@@ -109,7 +109,7 @@ def part_bodies(match, crowd):
 
 @kernel
 def gives_way(match, i, j, dx, dy, distance):
-    """Return how much more than player j player i has to give way, -1 to 1; (dx, dy) leads from j to i."""
+    """Return how much more player i has to give way than player j, -1 to 1; (dx, dy) leads from j to i."""
     a, b = match.players[i], match.players[j]
     ux, uy = dx / (distance + 1e-9), dy / (distance + 1e-9)
     turned = 0.5 * (ux * (a.facing_x + b.facing_x) + uy * (a.facing_y + b.facing_y))
@@ -124,7 +124,7 @@ def gives_way(match, i, j, dx, dy, distance):
 
 @kernel
 def run_along(a, b, more):
-    """Let two teammates adopt a part of each other's movement, a more of it than b."""
+    """Let two teammates adopt a part of each other's movement; the larger `more`, the more a adopts and the less b."""
     force_a, force_b = PUSH.drag * (0.5 + PUSH.uneven * more) * DT, PUSH.drag * (0.5 - PUSH.uneven * more) * DT
     dx, dy = b.vx - a.vx, b.vy - a.vy
     a.x += force_a * dx
@@ -141,7 +141,7 @@ def beaten(player):
 
 @kernel
 def stumble_apart(a, b):
-    """Let two players who fully overlap stumble: b to the right, a just out of the way."""
+    """Let two players who fully overlap stumble apart: b runs to the right, a only moves out of the way."""
     right = -1.0 if b.team == LEFT else 1.0
     for player, side in ((a, -right), (b, right)):
         player.y += side * STEPS_ASIDE
@@ -162,7 +162,7 @@ def part(match, i, j, dx, dy, distance):
     closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
     share = 0.5 + (0.5 - PUSH.least) * gives_way(match, i, j, dx, dy, distance)
     are_mates = a.team == b.team
-    felt = max(-closing, 0.0) * (DT if are_mates else STEP)  # opponents close in no further within the step
+    felt = max(-closing, 0.0) * (DT if are_mates else STEP)  # opponents do not close in further within the step
     a.pushed = min(a.pushed + share * felt, PUSH.most)
     b.pushed = min(b.pushed + (1.0 - share) * felt, PUSH.most)
     if not are_mates:

@@ -1,10 +1,10 @@
 """Running with the ball: body and ball together.
 
 A touch sends the ball ahead, somewhat faster than the carrier; it rolls freely, slows down, and is touched again when
-the carrier has caught up. Other players can win it in between. Before a touch the carrier lunges: at a dribble this is
-faster than the run, at a sprint slower. A lunge may begin and end within a step and then acts on a part of it. A
-sprinter changes direction only around a touch, which gives wide arcs. Speeds, distances and rhythms are fitted to
-traces of Google Research Football. Read next: `skills.contacts`, where other players meet the ball.
+the carrier has caught up. Other players can win the ball between touches. Before a touch the carrier lunges, which is
+faster than the run at a dribble, and slower at a sprint. A lunge may begin or end within a step and then acts on a part
+of the step. A sprinter changes direction only around a touch, which gives wide arcs. Speeds, distances and rhythms are
+fitted to traces of Google Research Football. Read next: `skills.contacts`, where other players meet the ball.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from regista.envs.football.physics.running import (
 from regista.envs.football.physics.vectors import toward
 from regista.kernels.jit import kernel
 
-DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits, by desired speed; the last: a knock-on in a sprint
+DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits by desired speed; the last: a sprint with dribble held
 
 
 class Gaits(NamedTuple):
     """Gaits with the ball: each field has a number for `DRIBBLING`, `RUNNING`, `SPRINTED` and `KNOCKED_ON`."""
 
-    rest: tuple[float, ...] = (0.211, 0.119, 0.11, 0.105)  # s at least from a touch to the beginning of the next lunge
+    rest: tuple[float, ...] = (0.211, 0.119, 0.11, 0.105)  # s, minimum time from a touch to the next lunge
     played_at: tuple[float, ...] = (0.586, 0.549, 0.9, 0.979)  # m ahead of the body at which the foot plays the ball
-    lunge_gain: tuple[float, ...] = (0.447, 0.197, -1.426, -0.661)  # m/s faster in a lunge, times (speed / desired)²
+    lunge_gain: tuple[float, ...] = (0.447, 0.197, -1.426, -0.661)  # m/s added in a lunge, times (speed / desired)²
     push_pace: tuple[float, ...] = (1.1, 1.1, 1.1, 1.11)  # the ball's speed after a touch: this times the player's,
-    push_more: tuple[float, ...] = (1.541, 2.0, 1.788, 3.555)  # plus so many m/s,
-    push_most: tuple[float, ...] = (0.586, 0.368, 0.862, 4.244)  # at most this many m/s above the desired speed
+    push_more: tuple[float, ...] = (1.541, 2.0, 1.788, 3.555)  # plus this in m/s
+    push_most: tuple[float, ...] = (0.586, 0.368, 0.862, 4.244)  # at most this in m/s above the desired speed
     push_up: tuple[float, ...] = (0.39, 0.681, 0.86, 1.29)  # the ball's vertical speed after a touch, m/s
-    restart: tuple[float, ...] = (2.631, 1.436, 1.968, 1.5)  # the player's speed at once after a stop to turn, m/s
+    restart: tuple[float, ...] = (2.631, 1.436, 1.968, 1.5)  # m/s, the player's immediate speed after a stop to turn
 
 
 class Touch(NamedTuple):
@@ -49,16 +49,16 @@ class Touch(NamedTuple):
 
     reach: float = 1.15  # m from the body to a ball that the foot can still play
     below: float = 0.9  # m, height of such a ball
-    dribble_below: float = 4.7  # m/s, desired speed: above it the carrier runs
+    dribble_below: float = 4.7  # m/s; a carrier with a higher desired speed runs
     long_ago: float = 9.0  # s: longer than any stride
-    lunge: float = 0.12  # s from going for a touch to playing the ball
-    lunge_turning: float = -0.617  # m/s faster during a lunge that changes the ball's direction
-    nearer: float = 0.633  # share of `played_at` by which a standing player would play it nearer
-    slower: float = 0.4  # m/s by which the ball may be faster than the player at a lunge
+    lunge: float = 0.12  # s from the beginning of the lunge to the touch
+    lunge_turning: float = -0.617  # m/s added in a lunge that changes the ball's direction
+    nearer: float = 0.633  # share of `played_at` by which a standing player would play the ball nearer
+    slower: float = 0.4  # m/s by which the ball may be faster than the player at the beginning of a lunge
     slowing: float = 2.5  # m/s², deceleration of a rolling ball
     aside_time: float = 0.55  # s in which a touch brings the ball back to the line of the run
-    aside: float = 2.0  # m/s at most for that correction
-    first_gain: float = 4.5  # m/s² until the ball after a first touch can be played again
+    aside: float = 2.0  # m/s, maximum of that correction
+    first_gain: float = 4.5  # m/s², acceleration until the ball can be played again after a first touch
     pace_left: float = 0.934  # share of the desired speed left after a sprinter's touch
 
 
@@ -67,59 +67,59 @@ class AtFoot(NamedTuple):
 
     walking: float = 0.5  # m/s; slower players keep the ball at the foot
     ahead: float = 0.38  # m ahead of the player
-    time: float = 0.1  # s in which it is put there
-    speed: float = 3.0  # m/s relative to the player at most
+    time: float = 0.1  # s in which the ball is put there
+    speed: float = 3.0  # m/s relative to the player, at most
 
 
 class TurnBack(NamedTuple):
     """Turning back with the ball: the carrier stops it, or has to follow it first."""
 
-    below: float = -0.3  # cosine of the angle to the desired direction; below it a stop comes first
+    below: float = -0.3  # cosine of the angle to the desired direction, below which a stop comes first
     ball_speed: float = 1.524  # m/s of a ball that is turned back
-    from_below: float = 7.019  # m/s up to which the carrier does that
-    stops_soon: float = 1.3  # m/s at which the first touch of the way back begins
-    slowed_ball: float = 1.2  # m/s slower than the carrier, at a stop
-    follows_ahead: float = 0.93  # m ahead: a ball that must be followed before turning back
+    from_below: float = 7.019  # m/s up to which the carrier turns the ball back
+    stops_soon: float = 1.3  # m/s below which the first touch of the way back begins
+    slowed_ball: float = 1.2  # m/s by which the ball is slower than the carrier, at a stop
+    follows_ahead: float = 0.93  # m; a ball further ahead must be followed before turning back
     follows_pace: float = 0.98  # speed of such a ball as a share of the carrier's
 
 
 class Arc(NamedTuple):
     """Sprints: they change direction only around a touch, also during acceleration."""
 
-    above: float = 3.0  # m/s above which this holds for a turn that began with sprint held
+    above: float = 3.0  # m/s, above which this holds for a turn that began with sprint held
     time: float = 0.401  # s from the lunge to the end of the turn after a touch
     rate: float = 0.677  # rad/s during the turn
-    cosine: float = math.cos(rate * STEP)  # of the turn in a whole step
+    cosine: float = math.cos(rate * STEP)  # cosine of the turn in a full step
     sine: float = math.sin(rate * STEP)
     left: float = 0.08  # rad by which the carrier's turn may be ahead of the ball's
     straight: float = 0.9999  # cosine of an angle that needs no turn
-    ahead_cosine: float = math.cos(0.3 * rate)  # of the touch, for the remaining turn
+    ahead_cosine: float = math.cos(0.3 * rate)  # cosine by which a touch leads the run, for the remaining turn
     ahead_sine: float = math.sin(0.3 * rate)
     pace: float = 0.908  # share of the desired speed during a turn
-    slows: float = 2.55  # m/s², deceleration to it
+    slows: float = 2.55  # m/s², deceleration to that speed
     effort: float = 0.879  # share of full effort in acceleration
     gain: float = 3.21  # m/s², limit of that acceleration
-    easing: float = 8.0  # m/s², to a slower gait
+    easing: float = 8.0  # m/s², deceleration to a slower gait
 
 
 class Brakes(NamedTuple):
     """Turns and stops with the ball."""
 
-    early: float = 1.584  # factor of the share of full effort, up to 1: braking precedes acceleration
-    aside: float = 7.055  # m/s², of lateral velocity
-    back: float = 14.993  # m/s², of a run that is reversed
+    early: float = 1.584  # factor of the share of full effort (clipped to 1) for braking, which precedes acceleration
+    aside: float = 7.055  # m/s² of lateral velocity
+    back: float = 14.993  # m/s² of a run that is reversed
     back_late: float = 7.274  # m/s², the same at low speed
-    slow: float = 3.88  # m/s, that low speed
+    slow: float = 3.88  # m/s, limit of that low speed
     back_aside: float = 13.356  # m/s² more for an oblique reversal, times one plus the cosine
-    stop: float = 13.0  # m/s², of a run that ends
+    stop: float = 13.0  # m/s² of a run that ends
     stop_late: float = 16.0  # m/s², the same at low speed
-    slow_stop: float = 4.0  # m/s, that low speed
+    slow_stop: float = 4.0  # m/s, limit of that low speed
     fresh: float = 12.09  # m/s² gained in a new direction
-    start: float = 2.293  # m/s at once from standing
+    start: float = 2.293  # m/s, immediate speed from standing
 
 
 # Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion.
-LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
+LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps after command and velocity begin to differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
 GAITS, TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Gaits(), Touch(), AtFoot(), TurnBack(), Arc(), Brakes()
 
@@ -162,7 +162,7 @@ def run_with_ball(match, i, speed):
 
 @kernel
 def held(player, vx, vy):
-    """Return the velocity (vx, vy) within a player's reach while the ball rolls on from the first touch."""
+    """Return the velocity (vx, vy), limited to a small change while the ball rolls on after the first touch."""
     dx, dy = vx - player.vx, vy - player.vy
     share = min(TOUCH.first_gain * STEP / (math.sqrt(dx * dx + dy * dy) + 1e-9), 1.0)
     return player.vx + share * dx, player.vy + share * dy
@@ -170,7 +170,7 @@ def held(player, vx, vy):
 
 @kernel
 def stride_on(ball, player, speed, want, gait):
-    """Advance the stride by a step, and decide on the next touch; return the s of the step spent in a lunge."""
+    """Advance the stride by a step, and decide on the next touch; return the time in s of the step spent in a lunge."""
     if player.stride < 0.0:
         lunging = min(-player.stride, STEP)
         player.stride += STEP
@@ -187,7 +187,7 @@ def stride_on(ball, player, speed, want, gait):
 
 @kernel
 def out_runs(ball, player, speed, away_x, away_y):
-    """Return whether the ball is still ahead of a sprinter after a touch, who must follow it."""
+    """Return whether a ball after a touch is still so far ahead that the sprinter must follow it."""
     if speed < BRAKING.sprinting:
         return False
     ahead = (away_x * player.vx + away_y * player.vy) / speed
@@ -198,7 +198,7 @@ def out_runs(ball, player, speed, away_x, away_y):
 
 @kernel
 def turns_off(player, speed, want):
-    """Return whether a player wants to change direction by more than a step's arc."""
+    """Return whether the desired change of direction exceeds the arc of one step."""
     return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC.cosine * speed * want
 
 
@@ -263,7 +263,7 @@ def sprint_gain(speed, top_speed):
 
 @kernel
 def eased(player, speed, want, loss):
-    """Return the velocity after a step in which a sprint with the ball slows to another gait, by `loss` m/s."""
+    """Return the velocity after a step in which a sprint with the ball slows down to another gait, by `loss` m/s."""
     new = max(speed - loss, want)
     ux, uy = player.vx / speed, player.vy / speed
     if want > 1e-6:
@@ -273,9 +273,9 @@ def eased(player, speed, want, loss):
 
 @kernel
 def arc(ball, player, speed, want, cosine):
-    """Return the velocity after a sprint step with the ball; direction changes only around a touch and cost speed."""
+    """Return the velocity after a sprint step with the ball; turns happen only around a touch and cost speed."""
     ux, uy = player.vx / speed, player.vy / speed
-    turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
+    turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s in which the sprinter may turn
     if cosine < ARC.straight and turning > 0.0 and not ball_escapes(ball, player, speed):
         kept = want * ARC.pace
         new = speed - ARC.slows * turning if speed > kept else min(speed + sprint_gain(speed, player.top_speed), kept)
@@ -289,7 +289,7 @@ def arc(ball, player, speed, want, cosine):
 
 @kernel
 def ball_escapes(ball, player, speed):
-    """Return whether further turning would separate a sprinter from a ball played before the turn was wanted."""
+    """Return whether further turning would separate a sprinter from a ball that was played before the turn."""
     if player.stride < STEP:
         return False
     side = player.vx * player.desired_vy - player.vy * player.desired_vx
@@ -299,7 +299,7 @@ def ball_escapes(ball, player, speed):
 
 @kernel
 def bent(ux, uy, wx, wy, cosine, sine):
-    """Turn the unit vector u towards the unit vector w, by at most the angle of this cosine and sine."""
+    """Turn the unit vector u towards the unit vector w, by at most the angle with this cosine and sine."""
     if ux * wx + uy * wy >= cosine:
         return wx, wy
     if ux * wy - uy * wx < 0.0:
@@ -309,7 +309,9 @@ def bent(ux, uy, wx, wy, cosine, sine):
 
 @kernel
 def play_direction(player, vx, vy, want):
-    """Return the unit vector along which a player wants the ball; in a sprint it is limited to near the run v."""
+    """Return the desired direction of the ball as a unit vector; in a sprint it is limited to the vicinity of the run
+    v.
+    """
     if want < AT_FOOT.walking:
         return player.facing_x, player.facing_y
     wx, wy = player.desired_vx / want, player.desired_vy / want
@@ -338,7 +340,7 @@ def touch_due(ball, player, speed, want, gait):
     closing = pace - along
     share = min(speed / want, 1.0)
     lunge_way = (closing + GAITS.lunge_gain[gait] * share * share) * TOUCH.lunge  # m
-    early = ahead - played_at(gait, share) - lunge_way  # m, if it is played
+    early = ahead - played_at(gait, share) - lunge_way  # m of run left before the ball can be played
     if early > 0.0 and speed > UNDER_WAY:
         time = max(time, early / closing if closing > 0.0 else STEP)
     return min(time, STEP)
@@ -346,13 +348,13 @@ def touch_due(ball, player, speed, want, gait):
 
 @kernel
 def played_at(gait, share):
-    """Return how far ahead in m the ball is played: nearer at a smaller share of the desired speed."""
+    """Return the distance ahead in m at which the ball is played: nearer at a smaller share of the desired speed."""
     return GAITS.played_at[gait] * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
 
 
 @kernel
 def dribble(match):
-    """Let the carrier touch the ball if it is time; return whether it was touched."""
+    """Let the carrier touch the ball if a touch is due; return whether it was touched."""
     i = match.carrier
     if i == NOBODY or match.keeper_holding != NOBODY or match.game_mode != NORMAL:
         return False
@@ -380,7 +382,7 @@ def dribble(match):
 
 @kernel
 def put_at_foot(ball, player, ux, uy):
-    """Play the ball to the foot of a player who stands, or is about to kick it along u."""
+    """Play the ball to the foot of a player who stands, or who is about to kick it along u."""
     push_x = (player.x + AT_FOOT.ahead * ux - ball.x) / AT_FOOT.time
     push_y = (player.y + AT_FOOT.ahead * uy - ball.y) / AT_FOOT.time
     push = math.sqrt(push_x * push_x + push_y * push_y)
@@ -391,9 +393,9 @@ def put_at_foot(ball, player, ux, uy):
 
 @kernel
 def push_on(ball, player, vx, vy, want):
-    """Send the ball in the desired direction of the carrier, whose run without the touch is v, and back to the line.
+    """Send the ball in the carrier's desired direction and back to the line of the run; v is the run without the touch.
 
-    The touch comes within this step, so the ball's position at the start is adjusted to be right at the end.
+    The touch happens within this step, so the ball's position at the start is adjusted to be correct at the end.
     """
     later = STEP - player.stride
     away_x = ball.x - player.x + later * (ball.vx - player.vx)

@@ -18,21 +18,21 @@ from regista.kernels.rng import uniform
 
 
 class Slide(NamedTuple):
-    """A slide: a glide (from standing after a jump), a steady slowdown to a stop, a pause, and getting up."""
+    """A slide: a glide (after a jump, if from standing), a steady slowdown to a stop, a pause, and getting up."""
 
     time: float = 1.4  # s in total
     glide: float = 1.15  # s left when the slowdown begins
     stops: float = 0.74  # s left at the stop
     rises: float = 0.45  # s left when getting up begins
-    jump: float = 1.9  # m/s to which a slide from standing grows
-    start: float = 0.4  # m/s from which it grows, in a step,
-    gain: float = 1.6  # by this factor
+    jump: float = 1.9  # m/s, maximum speed of a slide from standing
+    start: float = 0.4  # m/s in a step, plus
+    gain: float = 1.6  # this factor of the speed before
     rise_speed: float = 0.45  # m/s at most while getting up
-    rise_gain: float = 2.0  # m/s² meanwhile
+    rise_gain: float = 2.0  # m/s² while getting up
 
 
 class FollowThrough(NamedTuple):
-    """How a body runs on after a kick, whatever velocity is desired."""
+    """How a body runs on after a kick, independent of the desired velocity."""
 
     time: float = 0.35  # s
     slows: float = 6.0  # m/s²
@@ -41,23 +41,23 @@ class FollowThrough(NamedTuple):
 class Tiring(NamedTuple):
     """How running tires a player."""
 
-    per_metre: float = 7.3e-4  # per meter run,
-    fast: float = 1.25e-5  # less this per m/s: fast meters tire less
+    per_metre: float = 7.3e-4  # per meter of running
+    fast: float = 1.25e-5  # less by this per m/s: fast meters tire less
     most: float = 0.99
 
 
 # Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper after a dive
-SUDDEN = 0.1  # s in which a shot taken in this step or the last reaches a keeper who can no longer react
+SUDDEN = 0.1  # s; a shot that was just taken and reaches the keeper sooner leaves no time to react
 AT_REST = 0.3  # m/s
 AT_FEET = 0.8  # m from the body to the carrier's ball
-BEFORE_HIM = 1.095  # m to a free ball that a player waits for; at the first whistle the player takes a stance for it,
-SETS_HIMSELF = 0.02  # s
-IN_REACH = 0.75  # m, within which it is played at once at the first whistle
-NEAR_BALL = 10.0  # m, within which a standing player is on the toes,
-FIRST_NEAR = 12.0  # m; in play the first of a team at the ball already from here
-TURN = 0.4  # rad per step, turning on the spot
+BEFORE_HIM = 1.095  # m to a free ball; a nearer player waits for it, and takes a stance for it at the first whistle
+SETS_HIMSELF = 0.02  # s added to the stance for it
+IN_REACH = 0.75  # m; at the first whistle a nearer ball is played at once
+NEAR_BALL = 10.0  # m to the ball, within which a standing player is on the toes
+FIRST_NEAR = 12.0  # m; the same for the first player of a team at the ball, once play has begun
+TURN = 0.4  # rad per step, when turning on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
 
@@ -65,7 +65,7 @@ TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 def take_stance(match):
     """At the first whistle, put every body into a random phase of its idle movement, or on its toes near the ball.
 
-    A player with the ball just ahead takes a stance for it first; one with the ball in reach plays it at once.
+    A player with the ball just ahead takes a stance for it first; a player with the ball in reach plays it at once.
     """
     for i in range(match.num_players):
         player = match.players[i]
@@ -121,7 +121,7 @@ def on_his_toes(match, i):
 
 @kernel
 def turn_to_goal(player):
-    """Turn the body of a standing carrier some way towards the goal that the team attacks."""
+    """Turn the body of a standing carrier towards the attacked goal, by at most `TURN`."""
     goal_x = attacked_goal_x(player.team)
     ux, uy = toward(goal_x - player.x, -player.y)
     if player.facing_x * ux + player.facing_y * uy >= TURN_COS:
@@ -134,7 +134,7 @@ def turn_to_goal(player):
 
 @kernel
 def slowed(player, speed):
-    """Return the velocity after a step on the ground, in a slide or after a dive; a start follows at once."""
+    """Return the velocity after a step on the ground, in a slide or after a dive; a start may follow immediately."""
     player.turning = 1
     if player.is_sliding:
         new = slid(player.down_wait, speed)
@@ -147,7 +147,7 @@ def slowed(player, speed):
 
 @kernel
 def slid(left, speed):
-    """Return the speed after a step of a slide with `left` s left."""
+    """Return the speed after a step of a slide that lasts `left` more seconds."""
     if left > SLIDE.glide:
         return max(speed, min(SLIDE.start + SLIDE.gain * speed, SLIDE.jump))
     if left > SLIDE.stops:

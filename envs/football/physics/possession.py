@@ -26,9 +26,9 @@ class Owned(NamedTuple):
 
 
 class Chase(NamedTuple):
-    """Parameters of the estimate which player is first at the ball."""
+    """Parameters for the estimate of which player is first at the ball."""
 
-    over_heads: float = 1.3  # m, height of a ball in flight that no player reaches
+    over_heads: float = 1.3  # m, height above which no player reaches a ball in flight
     caught_at: float = 0.9  # m, height at which players reach it as it comes down
     landed: float = 0.6  # share of its speed that a ball keeps after landing
 
@@ -36,19 +36,19 @@ class Chase(NamedTuple):
 class Run(NamedTuple):
     """GRF's estimate of the time that a player needs to a point."""
 
-    leg: float = 0.28  # m of leg, which need not be run,
-    foot: float = 0.1  # m of ball in front of the foot,
-    stands: float = 1.8  # m/s: a faster player faces along the run, a slower one along the way to the point
-    fades: float = 0.7  # s in which the run fades, and reach grows, times the share of speed, to
-    pace: float = 0.94  # share of top speed
-    tick: float = 0.01  # s of run before that
-    looks: int = 12  # iterations at most
+    leg: float = 0.28  # m of leg, which reaches ahead of the run
+    foot: float = 0.1  # m of ball in front of the foot
+    stands: float = 1.8  # m/s; a faster player faces along the run, a slower one towards the point
+    fades: float = 0.7  # s in which the run fades out and the reach grows
+    pace: float = 0.94  # share of top speed at which the reach finally grows
+    tick: float = 0.01  # s of running before that
+    looks: int = 12  # maximum number of iterations
     near: float = 0.01  # m by which the player may miss the ball
-    least: float = 0.1  # share of the largest closing speed that is assumed at least
+    least: float = 0.1  # minimum of the closing speed, as a share of the largest one
     longest: float = 3.0  # s for which the ball is predicted
-    far_run: float = 0.2  # s of the run, and
-    far_pace: float = 0.75  # share of top speed, with which longer times are estimated
-    at_hand: float = 0.1  # s: a ball reached sooner counts as sooner the nearer it is by then than
+    far_run: float = 0.2  # s of running, and
+    far_pace: float = 0.75  # share of top speed, for the estimate of longer times
+    at_hand: float = 0.1  # s; a shorter time is replaced by this, times min(distance from the ball by then / `hand`, 1)
     hand: float = 0.6  # m
 
 
@@ -58,17 +58,17 @@ class Ahead(NamedTuple):
     speed: float  # m/s, in the plane
     flight: float  # s until it comes down to the players
     air: float  # m of flight until then
-    left: float  # m/s at which it then rolls on
-    lasts: float  # s until it would come to rest at its present speed: how far it gets
+    left: float  # m/s at which the ball then rolls on
+    lasts: float  # s until the ball would come to rest if it kept its current speed, which gives its range
 
 
 # Ownership follows Google Research Football's definition; the estimates are checked by `lab.benchmarks --suite grf`,
 # family matches.
 OWNED, CHASE, RUN = Owned(), Chase(), Run()
-PLAYED = 0.05  # m from the ball's initial position: beyond it the ball has been touched
-CARRIED_WITHIN = 3.0  # m: beyond it a led ball is lost
-SURE = 1e-6  # m, more than rounding errors of distances
-NEVER = 100.0  # s to the ball of a team without players
+PLAYED = 0.05  # m from the ball's initial position; beyond it the ball has been touched
+CARRIED_WITHIN = 3.0  # m; beyond it a led ball is lost
+SURE = 1e-6  # m, more than the rounding errors of distances
+NEVER = 100.0  # s to the ball, for a team without players
 
 
 @kernel
@@ -89,7 +89,7 @@ def fall_time(ball):
 
 @kernel
 def travelled(ahead, time):
-    """Estimate in m how far a ball with the prediction `ahead` gets in `time` s."""
+    """Estimate the distance in m that a ball with the prediction `ahead` travels in `time` s."""
     if time < ahead.flight:
         return flown(ahead.speed, time)[0]
     return ahead.air + rolled(ahead.left, time - ahead.flight)
@@ -97,7 +97,7 @@ def travelled(ahead, time):
 
 @kernel
 def flown(speed, flight):
-    """Estimate how far in m a ball flies in `flight` s, and its speed in m/s afterwards."""
+    """Estimate the distance in m that a ball flies in `flight` s, and its speed in m/s afterwards."""
     if flight == 0.0:
         return 0.0, speed
     drag = 1.0 + AIR.drag * speed * flight
@@ -114,16 +114,16 @@ def look_ahead(ball):
 
 @kernel
 def meeting_time(ball, ahead, player):
-    """Estimate in s how soon a player can play the ball with the prediction `ahead`, as GRF does.
+    """Estimate the time in s after which a player can play the ball with the prediction `ahead`, as GRF does.
 
-    The run carries the player on while it fades, and a circle of reach grows around that point.
+    The run carries the player on while it fades, and a circle of reach grows around the resulting point.
     """
     return time_if_before(ball, ahead, player, math.inf)
 
 
 @kernel
 def time_if_before(ball, ahead, player, latest):
-    """Return `meeting_time`, or any later time if that is later than `latest` s.
+    """Return `meeting_time`, or if it is later than `latest` s, any time after `latest`.
 
     It uses the secant method; invariants are computed first, since this function is called very often.
     """
@@ -146,7 +146,7 @@ def time_if_before(ball, ahead, player, latest):
             break
         if lacks > 0.0 and time > max(latest, RUN.at_hand):
             return time
-        if look > 0:  # the secant of the last iteration, but with a minimum speed
+        if look > 0:  # the secant of the last iteration, limited to a minimum closing speed
             closing = max((before - lacks) / (time - last), RUN.least * most)
         last, time = time, min(max(time + lacks / closing, lands), max(RUN.longest, lands))
         if time == last or (look == 0 and lacks > RUN.longest * most):
@@ -160,7 +160,7 @@ def time_if_before(ball, ahead, player, latest):
 
 @kernel
 def stands_at(speed):
-    """Return the s of run by which a player at `speed` m/s is estimated to be further on, and the reach in m."""
+    """Return the time in s by which the run of a player at `speed` m/s is extended, and the reach in m."""
     if speed > RUN.stands:
         return RUN.foot / speed + RUN.tick, RUN.leg
     return 0.0, RUN.leg + RUN.foot
@@ -168,7 +168,7 @@ def stands_at(speed):
 
 @kernel
 def short_of(player, speed, dx, dy, time):
-    """Return by how many m a player at `speed` m/s misses a point (dx, dy) m away after `time` s."""
+    """Return the distance in m by which a player at `speed` m/s misses a point (dx, dy) m away after `time` s."""
     fading = min(time, RUN.fades)
     run = fading - 0.5 * fading * fading / RUN.fades
     on, reach = stands_at(speed)
@@ -178,7 +178,7 @@ def short_of(player, speed, dx, dy, time):
 
 @kernel
 def far_time(ball, ahead, player):
-    """Return a lower bound in s for a player who does not reach the ball within the predicted time."""
+    """Return a lower bound in s of the time to a ball that a player does not reach within the predicted time."""
     share = travelled(ahead, RUN.longest) / (ahead.speed + 1e-9)
     dx = ball.x + share * ball.vx - player.x - RUN.far_run * player.vx
     dy = ball.y + share * ball.vy - player.y - RUN.far_run * player.vy
@@ -187,7 +187,7 @@ def far_time(ball, ahead, player):
 
 @kernel
 def time_needed(player, dx, dy):
-    """Return in how many s a player can have a ball (dx, dy) m away, as GRF estimates it.
+    """Return the time in s that a player needs to a ball (dx, dy) m away, as GRF estimates it.
 
     A run towards the ball shortens the time, since it carries the player on while it fades.
     """
@@ -223,7 +223,7 @@ def find_chasers(match):
     lasts = match.chaser[LEFT], match.chaser[RIGHT]
     for team in (LEFT, RIGHT):
         match.chaser[team], match.arrival[team] = NOBODY, NEVER
-        if lasts[team] != NOBODY:  # mostly still the first: then all others are quickly ruled out
+        if lasts[team] != NOBODY:  # it mostly stays the first, so the others are quickly ruled out
             consider_chaser(match, lasts[team], ahead)
     for i in range(match.num_players):
         player = match.players[i]
@@ -236,7 +236,7 @@ def find_chasers(match):
 
 @kernel
 def consider_chaser(match, i, ahead):
-    """Make player i the team's chaser if sooner at the ball with the prediction `ahead` than the present chaser."""
+    """Make player i the team's chaser if sooner than the present chaser at the ball with the prediction `ahead`."""
     player = match.players[i]
     chaser, soonest = match.chaser[player.team], match.arrival[player.team]
     time = 0.0
@@ -266,13 +266,13 @@ def man_on_ball(match, team):
 
 @kernel
 def first_at_ball(match):
-    """Return the player who has the ball or will be first at it, -1 while both teams are equally near."""
+    """Return the player who has the ball or will be first at it; -1 if both teams are equally near."""
     return NOBODY if match.team_in_possession == NOBODY else man_on_ball(match, match.team_in_possession)
 
 
 @kernel
 def update_possession(match):
-    """Update the owner of the ball after a step, by GRF's definition, and whether possession changed."""
+    """Update the owner of the ball after a step, by GRF's definition, and the flag of a possession change."""
     if match.carrier != NOBODY and match.keeper_holding == NOBODY:
         carrier = match.players[match.carrier]
         if apart(match.ball, carrier) > CARRIED_WITHIN:
@@ -287,7 +287,7 @@ def update_possession(match):
 
 @kernel
 def has_moved(match):
-    """Return whether the ball has been played at all: before it moves it has no reported owner."""
+    """Return whether the ball has been played at all; before its first movement it has no reported owner."""
     ball = match.ball
     return match.last_owned_team != NOBODY or length(ball.x - match.ball_start_x, ball.y - match.ball_start_y) > PLAYED
 
@@ -301,7 +301,7 @@ def own_at_restart(match):
 
 @kernel
 def compare_owner(match):
-    """Find out whether another team owns the ball than its last owner's; without an owner nothing changes."""
+    """Detect whether another team than that of the last owner owns the ball; without an owner nothing changes."""
     match.possession_changed = False
     if match.reported_owner != NOBODY:
         team = match.players[match.reported_owner].team

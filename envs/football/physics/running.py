@@ -1,8 +1,8 @@
 """How a body responds to a command: from its velocity to the desired one, step by step.
 
-A body finishes its stride first, brakes hard whatever leads elsewhere, starts with a jump, and then accelerates.
-The numbers are fitted to traces of Google Research Football. Read next: `physics.dribble`, how this changes with the
-ball.
+A body first finishes its stride, then brakes hard all velocity in other directions, starts with a jump, and
+accelerates. The numbers are fitted to traces of Google Research Football. Read next: `physics.dribble`, how this
+changes with the ball.
 """
 
 from __future__ import annotations
@@ -15,47 +15,47 @@ from regista.kernels.jit import kernel
 
 
 class Braking(NamedTuple):
-    """Braking: in which cases, and how hard."""
+    """Braking: the ranges of speed, and the strength."""
 
     power: float = 30.0  # m/s²
     slow: float = 2.7  # m/s, below which the lag is that of a start
-    walking: float = 3.8  # m/s, below which it is that of a walk
-    sprinting: float = 6.0  # m/s, above which it is that of a sprint
+    walking: float = 3.8  # m/s, below which the lag is that of a walk
+    sprinting: float = 6.0  # m/s, above which the lag is that of a sprint
 
 
 class Start(NamedTuple):
     """Acceleration: a jump, a steady part, a change of gait, an approach to top speed."""
 
-    jump: float = 2.0  # m/s at once from standing
+    jump: float = 2.0  # m/s, immediate speed from standing
     jump_gain: float = 13.0  # m/s² until the jump is complete, and into a new direction
-    after_turn: float = 1.1  # m/s at once after a stop to turn
+    after_turn: float = 1.1  # m/s, immediate speed after a stop to turn
     acceleration: float = 8.5  # m/s² from the jump to the change of gait
-    changes_from: float = 4.9  # m/s; around RUN_SPEED the change of gait slows the acceleration
+    changes_from: float = 4.9  # m/s; near RUN_SPEED the change of gait slows the acceleration
     changes_to: float = 5.1  # m/s
-    acceleration_changing: float = 2.1  # m/s² meanwhile
-    acceleration_sprint: float = 4.9  # m/s² at most from there on
+    acceleration_changing: float = 2.1  # m/s², meanwhile
+    acceleration_sprint: float = 4.9  # m/s² at most, above that
     time_sprint: float = 0.39  # s of the approach to top speed
 
 
 class Bend(NamedTuple):
-    """Bends: small changes of direction on the run, as of a player whose target moves with the game."""
+    """Bends: small changes of direction on the run, such as those of a player whose target moves with the game."""
 
-    most: float = 0.39  # tangent of the angle to the desired direction; speeds often come out at 0.4
-    share: float = 0.5  # share of the remaining angle turned in a step, from the second on
-    effort: float = 0.85  # share of full effort of a sprinter's acceleration meanwhile
+    most: float = 0.39  # tangent of the maximum angle to the desired direction; just below 0.4, a frequent ratio
+    share: float = 0.5  # share of the remaining angle turned in a step, from the second step on
+    effort: float = 0.85  # share of full effort in a sprinter's acceleration meanwhile
 
 
 # Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion; the bend to runs of
 # backs and chasers in drawn scenes.
 BRAKING, START, BEND = Braking(), Start(), Bend()
-# Share of full effort in the steps since command and velocity differ: the body's lag.
-LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # a standing player moves a step later: STANCE / 2, in steps
+# Lag of the body: share of full effort in the steps after command and velocity begin to differ.
+LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # a standing player starts a step later: STANCE / 2, in steps
 LAG_SLOW = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
-STANCE = 0.25  # s, the idle movement that ends before a start; its phase is random at the first whistle
-TOES = 0.03  # s, the same for a player on the toes near the ball: at least, twice as long at most
+STANCE = 0.25  # s of the idle movement, which ends before a start; its phase is random at the first whistle
+TOES = 0.03  # s, the same for a player on the toes near the ball; twice as long at most
 READY = 4  # "turning" of a body without further lag
 # Speeds often equal a threshold between two rules, such as 0.1 off the command or 0.5 after braking. Rounding, which
 # depends on the direction, must not decide which rule applies.
@@ -88,7 +88,7 @@ def run_free(player, speed):
 
 @kernel
 def straight(player, speed):
-    """Return whether a player already runs in the desired direction, only not as fast: no lag applies."""
+    """Return whether a player already runs in the desired direction, but slower; then no lag applies."""
     if speed < UNDER_WAY:
         return False
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
@@ -98,9 +98,9 @@ def straight(player, speed):
 
 @kernel
 def bends(player, speed):
-    """Return whether a running player wants to run on at least as fast, in almost the same direction.
+    """Return whether the desired velocity of a running player is at least as fast, in almost the same direction.
 
-    Keepers do not bend their runs: they were fitted to a body that turns at once or not at all.
+    Keepers do not bend their runs: their parameters were fitted to a body that turns immediately or not at all.
     """
     if speed < UNDER_WAY or player.role == GK:
         return False
@@ -113,8 +113,8 @@ def bends(player, speed):
 def bend(player, speed, want):
     """Return the velocity after a step in which a player accelerates and turns a little, without the lag of the stride.
 
-    After a later large change of direction the stride may or may not be near its end: the lag alternates between that
-    of one step and of two.
+    After a later large change of direction the stride may or may not be near its end, so the lag alternates between one
+    step and two steps.
     """
     share = BEND.share if player.turning > 0 else 0.0
     player.turning = 2 if player.turning == 1 else 1
@@ -151,7 +151,7 @@ def lagging(effort, lag):
 def redirect(player, want, braking, effort, fresh, off):
     """Accelerate along the desired direction while braking, by `braking` m/s, velocity across or against it.
 
-    `fresh` is gained in m/s in a direction with hardly any velocity yet, `off` is the speed at once after a stop.
+    `fresh` is the gain in m/s in a direction with hardly any velocity yet, `off` the immediate speed after a stop.
     """
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     if want < 1e-6:

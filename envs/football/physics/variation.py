@@ -1,8 +1,8 @@
-"""Engine variation: uncertain properties of the measured engine differ between episodes.
+"""Engine variation: properties of GRF that our measurements leave uncertain differ between episodes.
 
-A policy should not rely on differences of a keeper's reaction below 0.1 s, in which engines differ. A program sets
-factors by parameters (`param keeper_speed = Range(0.85, 1.15)` is a column of θ, which a teacher may choose), and
-`engine_spread` draws all factors for each episode around the program's values.
+A policy should not rely on differences below 0.1 s in a keeper's reaction, since engines differ by that much. A program
+sets factors by parameters: `param keeper_speed = Range(0.85, 1.15)` is a column of θ, which a teacher may choose.
+`engine_spread` samples all factors in each episode, around the program's values.
 Read next: `state`, the table of the factors.
 """
 
@@ -15,9 +15,9 @@ from regista.kernels.rng import uniform
 
 @kernel
 def vary_engine(match):
-    """Draw the factors of a new episode, each within `engine_spread` of its value; the noise from its value up.
+    """Sample the factors of a new episode, each within `engine_spread` of its value; the noise only upwards.
 
-    Nothing is drawn if the spread is 0.
+    Nothing is sampled if the spread is 0.
     """
     if match.engine_spread == 0.0:
         return
@@ -39,5 +39,5 @@ def vary_engine(match):
 
 @kernel
 def drawn_factor(match):
-    """Draw a factor around 1."""
+    """Sample a factor around 1."""
     return 1.0 + match.engine_spread * (2.0 * uniform(match) - 1.0)

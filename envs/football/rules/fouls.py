@@ -1,7 +1,7 @@
 """Fouls: reports of tackles, and the referee's decisions: advantage, free kick or penalty, cards.
 
-The rules are Google Research Football's. `contacts` decides whether a tackle is a foul and how severe, and calls
-`report_foul`; `rules` calls the rest at the end of a step. Read next: `rules.whistle`.
+The rules are Google Research Football's. `contacts` determines whether a tackle is a foul and how severe it is, and
+calls `report_foul`; `rules` calls the other functions at the end of a step. Read next: `rules.whistle`.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from regista.envs.football.physics.possession import lose_ball
 from regista.envs.football.rules.whistle import stand_still, stop_play
 from regista.kernels.jit import kernel
 
-SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which it is a foul, a yellow and a red card
-CAUTIONED, SENT_OFF = 1, 2  # `cards`
-PLAYED_ON, FORGIVEN = 0.6, 3.0  # s of advantage after a trip at least; s after which it is forgotten
+SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which a slide is a foul, a yellow card, and a red card
+CAUTIONED, SENT_OFF = 1, 2  # values of `cards`
+PLAYED_ON, FORGIVEN = 0.6, 3.0  # s of advantage after a trip, at least; s after which the trip is forgotten
 LEAVES_AFTER = 6.0  # s from a red card until the player has left the pitch
-FAR_BEHIND = 200.0  # m behind the own goal, where such a player is kept
+FAR_BEHIND = 200.0  # m behind the own goal, the position of players who have left
 PENALTY_SPOT = HALF_LENGTH - 11.0  # m
 
 
@@ -34,9 +34,9 @@ PENALTY_SPOT = HALF_LENGTH - 11.0  # m
 def report_foul(match, player, victim, severity, slid):
     """Report that `player` fouled `victim`; play goes on until the step ends, or longer for an advantage.
 
-    `severity` is up to about 2: a slide that never met the ball counts 1, from behind up to 1 more; at most 1 is no
-    foul. A trip (not `slid`) never gives a card and gets an advantage. A slide takes precedence over a trip with
-    advantage; otherwise the first foul counts.
+    `severity` is up to about 2: a slide that does not reach the ball has 1, and up to 1 more from behind. A slide with
+    at most 1 is no foul. A trip (not `slid`) never gives a card and gets an advantage. A slide takes precedence over a
+    trip with advantage; otherwise the first foul counts.
     """
     if match.game_mode != NORMAL or (slid and severity <= SEVERE):
         return
@@ -50,7 +50,7 @@ def report_foul(match, player, victim, severity, slid):
 
 @kernel
 def judge_foul(match, over):
-    """Give the free kick or the penalty for a pending foul, and the card; `over`: play stops anyway.
+    """Give the free kick or the penalty for a pending foul, and the card; with `over`, play stops anyway.
 
     The advantage after a trip outside the box lasts as long as the victim's team keeps the ball.
     """
@@ -80,7 +80,7 @@ def keeps_ball(match, team):
 
 @kernel
 def show_card(match):
-    """Show the card for the foul; a second yellow is a red."""
+    """Show the card for the foul; a second yellow card is a red card."""
     player = match.players[match.foul_player]
     if match.foul_severity <= YELLOW_FROM or player.cards == SENT_OFF:
         return
@@ -92,7 +92,7 @@ def show_card(match):
 
 @kernel
 def send_off(match):
-    """Let the players who have been sent off leave when their time is up and play is on."""
+    """Let players who have been sent off leave, once their time is up and play is on."""
     for i in range(match.num_players):
         player = match.players[i]
         if player.cards != SENT_OFF or player.has_left:

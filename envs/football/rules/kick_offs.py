@@ -1,4 +1,4 @@
-"""Kick-offs after a goal and at half time: all players at their start positions, and play continues at once.
+"""Kick-offs after a goal and at half time: all players return to their start positions, and play continues at once.
 
 As in Google Research Football, the kick-off mode is never reported. Read next: `rules.referee`.
 """
@@ -14,8 +14,8 @@ from regista.kernels.jit import kernel
 def kick_off_again(match, team, x, y):
     """Let `team` kick off with the ball at (x, y).
 
-    If the other team began the match with the ball and the teams have equal sizes, each takes the other's start
-    positions, rotated by 180°, so that the ball is in front of the team that kicks off.
+    If the other team began the match with the ball and the teams have equal sizes, each team takes the other's start
+    positions, rotated by 180°. So the ball is in front of the team that kicks off.
     """
     put_ball(match, x, y)
     swapped = swaps(match, team)

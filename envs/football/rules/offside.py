@@ -15,9 +15,9 @@ from regista.kernels.jit import kernel
 
 @kernel
 def mark_offside(match, toucher):
-    """Mark, as bits, the teammates of the player on the ball beyond the second-last opponent, ball and halfway line.
+    """Store the bits of the toucher's teammates who are beyond the second-last opponent, the ball and the halfway line.
 
-    As in Google Research Football there is no offside against a team of fewer than two.
+    As in Google Research Football, there is no offside against a team with fewer than two players.
     """
     match.offside_bits = 0
     if not match.offsides:
@@ -54,7 +54,7 @@ def second_last(match, team, ahead):
 def whistled(match, i):
     """Stop play if player i, who is about to touch the ball, was marked; return whether play stopped.
 
-    If not, the touch marks the teammates again.
+    If play goes on, the touch marks the teammates again.
     """
     if match.offside_bits >> i & 1 == 1:
         player = match.players[i]

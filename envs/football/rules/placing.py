@@ -1,4 +1,4 @@
-"""Positions at a restart: the team's formation, laid into a part of the pitch and drawn to the ball.
+"""Positions at a restart: the team's formation, placed into a part of the pitch and moved towards the ball.
 
 The parts and strengths are Google Research Football's; the shape is that of `formation`, with a slot for each player.
 "Ahead" is the direction of attack, so one table serves both teams. Read next: `rules.restarts`.
@@ -25,7 +25,7 @@ from regista.kernels.jit import kernel
 
 
 class Block(NamedTuple):
-    """The part of the pitch into which a team's formation is laid, and the pull on it.
+    """The part of the pitch into which a team's formation is placed, and the pull on it.
 
     Lengths are m ahead of the middle of the pitch; fields named "along" are added in proportion to the ball's position
     from the own goal to the other.
@@ -34,13 +34,13 @@ class Block(NamedTuple):
     back: float  # m
     back_along: float  # m
     front: float  # m
-    front_along: float  # share of the ball's position that is added to back and front
-    follows: float  # share of the ball's place that is added to back and front
-    focus: float  # m, the focus to which the formation is drawn
-    focus_follows: float  # share of the ball's position that is added to it
+    front_along: float  # m
+    follows: float  # share of the ball's position that is added to back and front
+    focus: float  # m, the focus towards which the formation is pulled
+    focus_follows: float  # share of the ball's position that is added to the focus
     pull: float  # strength of the pull
     pull_along: float
-    wide: float  # half the block's width as a share of the pitch's
+    wide: float  # half the block's width, as a share of the pitch's
     focus_y: float  # the focus across, as a share of the ball's position
     pull_y: float
     pull_y_along: float
@@ -48,30 +48,30 @@ class Block(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """How slots are laid into the block, and how far each is drawn."""
+    """How slots are placed into the block, and how far each slot is pulled."""
 
-    throw_shift: float = 0.25  # of the ball's lateral position, by which all are moved at a throw-in
+    throw_shift: float = 0.25  # share of the ball's lateral position by which all slots are moved at a throw-in
     across: float = 0.8  # weight of a lateral distance
     across_least: float = 0.2  # share of the pull across for a ball in the middle,
-    across_more: float = 0.8  # more at the side line
-    across_fades: float = 0.5  # share of it that is lost half a block's width away
-    near: float = 50.0  # m to the ball, within which players are drawn to it
-    near_across: float = 0.6  # weight across
+    across_more: float = 0.8  # added to this share if the ball is at the side line
+    across_fades: float = 0.5  # share of the pull across that is lost half a block's width away
+    near: float = 50.0  # m to the ball, within which players are pulled to it
+    near_across: float = 0.6  # weight of this pull across
     inside: float = 1.0  # m inside the lines
 
 
 class Keep(NamedTuple):
     """Minimum distances at a restart."""
 
-    ball: float = 9.15  # m that opponents keep from it
+    ball: float = 9.15  # m that opponents keep from the ball
     throw: float = 2.0  # m, the same at a throw-in
-    box_x: float = HALF_LENGTH - 16.5  # m: at a penalty all but two wait outside box and arc,
-    penalty_room: float = 0.5  # m further away,
-    fold: float = 0.3  # m for each m inside the box
-    corner_back: float = 0.5  # of the distance, for a player who would have to leave the pitch: back
-    corner_in: float = 0.9  # and in
-    same_place: float = 0.05  # m
-    sidestep: float = 0.4  # m
+    box_x: float = HALF_LENGTH - 16.5  # m: at a penalty all but two wait outside the box and the arc,
+    penalty_room: float = 0.5  # m further away than usual,
+    fold: float = 0.3  # m more for each m inside the box
+    corner_back: float = 0.5  # share of the distance that a player who would have to leave the pitch keeps backwards
+    corner_in: float = 0.9  # and towards the middle
+    same_place: float = 0.05  # m; players nearer to each other have the same position
+    sidestep: float = 0.4  # m, step away from such a position
 
 
 class Wall(NamedTuple):
@@ -84,7 +84,7 @@ class Wall(NamedTuple):
 
 # Parts of the pitch and strengths are Google Research Football's; checked by `lab.benchmarks --suite grf`, family
 # matches.
-BLOCKS = (  # the team that takes the restart, then the other team
+BLOCKS = (  # for each restart: the team that takes it, then the other team
     Block(-27.5, 0.0, 11.0, 0.0, 0.0, -27.5, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),  # a goal kick
     Block(-22.0, 0.0, 5.5, 0.0, 0.0, -22.0, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),
     Block(-38.5, 38.5, 16.5, 38.5, 0.0, 10.0, 1.0, 0.5, 0.2, 0.7, 0.4, 0.6, 0.2, 0.4),  # a free kick
@@ -98,7 +98,7 @@ BLOCKS = (  # the team that takes the restart, then the other team
 )
 DRAW, KEEP, WALL = Draw(), Keep(), Wall()
 KEEPER_X = 0.98 * HALF_LENGTH  # m, where keepers wait for a restart
-EVEN = 1e-6  # m: distances to the ball count as equal within this, as for players who are kept away from it
+EVEN = 1e-6  # m: distances to the ball within this are equal, such as those of players who are kept away from it
 
 
 @kernel
@@ -122,7 +122,7 @@ def place_players(match):
 
 @kernel
 def block_place(match, i, taking, way):
-    """Return the position of player i for this restart: the slot in the block, drawn to focus and ball."""
+    """Return the position of player i for this restart: the slot in the block, pulled to the focus and the ball."""
     player, ball = match.players[i], match.ball
     block = BLOCKS[2 * (match.game_mode - GOAL_KICK) + (0 if taking else 1)]
     along = 0.5 + 0.5 * min(max(way * ball.x / HALF_LENGTH, -1.0), 1.0)  # 0 at the own goal, 1 at the other
@@ -170,13 +170,13 @@ def shares_place(match, i):
 
 @kernel
 def kept_away(match, x, y, way):
-    """Return the point nearest to (x, y) that is far enough from the ball; at a penalty, outside the box, too."""
+    """Return the point nearest to (x, y) that is far enough from the ball, and at a penalty also outside the box."""
     ball = match.ball
     distance = KEEP.throw if match.game_mode == THROW_IN else KEEP.ball
     if match.game_mode > THROW_IN:
         distance += KEEP.penalty_room
         over = abs(x) - KEEP.box_x + KEEP.penalty_room
-        if over > 0.0:  # a little further out the further in they were, so that positions stay distinct
+        if over > 0.0:  # further out the further in, so that positions stay distinct
             x = math.copysign(KEEP.box_x - KEEP.penalty_room - KEEP.fold * over, x)
     dx, dy = x - ball.x, y - ball.y
     away = length(dx, dy)
@@ -187,13 +187,13 @@ def kept_away(match, x, y, way):
     x, y = ball.x + distance * dx / away, ball.y + distance * dy / away
     if abs(x) < HALF_LENGTH and abs(y) < HALF_WIDTH:
         return x, y
-    inward = math.copysign(1.0, -ball.y)  # the other way is off the pitch: back in, across
+    inward = math.copysign(1.0, -ball.y)  # the direct way leaves the pitch: move back and across instead
     return ball.x - math.copysign(KEEP.corner_back * distance, ball.x), ball.y + inward * KEEP.corner_in * distance
 
 
 @kernel
 def build_wall(match):
-    """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal.
+    """Line up the three outfield opponents nearest to a free kick between ball and goal, if it is near their goal.
 
     If the wall would stand beyond the goal line, as it would in GRF, players are only kept away from the ball.
     """
@@ -217,7 +217,7 @@ def build_wall(match):
         if best == NOBODY:
             return
         chosen |= 1 << best
-        if k == 1:  # the second nearest goes to the own side of the first, the third to the other
+        if k == 1:  # the second nearest stands on its own side of the first, the third on the other side
             player = match.players[best]
             across = (player.y - ball.y) * math.cos(angle) - (player.x - ball.x) * math.sin(angle)
             side = WALL.angle if across >= 0.0 else -WALL.angle

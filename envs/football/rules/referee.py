@@ -30,7 +30,7 @@ from regista.envs.football.rules.whistle import off_pitch, stop_play
 from regista.kernels.jit import kernel
 
 GOAL_KICK_X = 0.92 * HALF_LENGTH
-THROW_IN_X = HALF_LENGTH - 0.6  # m, throw-ins are taken within this
+THROW_IN_X = HALF_LENGTH - 0.6  # m; throw-ins are taken at most this far from the middle
 
 
 @kernel
@@ -74,7 +74,7 @@ def judge(match):
 
 @kernel
 def in_goal(ball):
-    """Return whether a ball beyond the goal line crossed it inside the frame."""
+    """Return whether a ball beyond the goal line crossed the line inside the frame."""
     beyond = abs(ball.x) - HALF_LENGTH - OUT_MARGIN
     time = beyond / abs(ball.vx) if abs(ball.vx) > 0.0 else 0.0
     y, z = ball.y - time * ball.vy, ball.z - time * ball.vz
@@ -98,7 +98,7 @@ def judge_out(match):
 
 @kernel
 def other_team(match):
-    """Return the team that did not touch the ball last; without a touch, the one that defends this half."""
+    """Return the team that did not touch the ball last; without a touch, the team that defends this half."""
     if match.last_touch == NOBODY:
         return RIGHT if match.ball.x > 0.0 else LEFT
     return 1 - match.players[match.last_touch].team

@@ -1,4 +1,4 @@
-"""Restarts: players are placed, and a taker is chosen, who then plays the ball (`ai.set_pieces`).
+"""Restarts: players are placed, and a taker is chosen, who then plays the ball (see `ai.set_pieces`).
 
 Read next: `rules.placing`, the positions of the others.
 """
@@ -14,13 +14,13 @@ from regista.envs.football.rules.placing import EVEN, place_players
 from regista.envs.football.rules.whistle import move_to
 from regista.kernels.jit import kernel
 
-THROWER_OUT, RUN_UP, RUN_UP_FREE, RUN_UP_PENALTY = 0.3, 2.3, 2.3, 3.0  # m behind the ball, where the taker starts
+THROWER_OUT, RUN_UP, RUN_UP_FREE, RUN_UP_PENALTY = 0.3, 2.3, 2.3, 3.0  # m behind the ball, start of the taker
 HELD_AT = 1.5  # m, height of the ball in the hands of the thrower
 
 
 @kernel
 def set_up(match):
-    """Set up the pending restart and choose its taker; an empty team leaves it to the other."""
+    """Set up the pending restart and choose its taker; if the team has no players, the other team takes it."""
     if nearest_of(match, match.restart_team) == NOBODY:
         match.restart_team = 1 - match.restart_team
     place_players(match)
@@ -38,7 +38,7 @@ def set_up(match):
 
 @kernel
 def run_up(match, team):
-    """Return where the taker starts: a direction off the ball, and how far along it, in m."""
+    """Return the start of the taker: a direction from the ball, and the distance along it in m."""
     ball = match.ball
     backward = -forward(team)
     if match.game_mode == FREE_KICK:

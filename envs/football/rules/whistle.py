@@ -15,7 +15,7 @@ KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 
 @kernel
 def off_pitch(match):
-    """Return whether the ball's center is beyond a line; just after a set piece side lines do not count."""
+    """Return whether the ball's center is beyond a line; just after a set piece, side lines are ignored."""
     ball = match.ball
     beside = abs(ball.y) > HALF_WIDTH + OUT_MARGIN and match.line_wait <= 1e-9
     return beside or abs(ball.x) > HALF_LENGTH + OUT_MARGIN
@@ -61,7 +61,7 @@ def stand_still(player):
 
 @kernel
 def move_to(match, i, x, y):
-    """Put player i at (x, y), at rest and facing the ball; a player who has left the pitch stays away."""
+    """Put player i at (x, y), at rest and facing the ball, unless the player has left the pitch."""
     player = match.players[i]
     if player.has_left:
         return

@@ -27,8 +27,8 @@ class CompiledBehaviors:
 
     Attributes:
         code: for kernels.
-        is_live: whether there is anything to run.
-        num_registers: R, the numbers that they store for each match.
+        is_live: whether any behavior or monitor does something.
+        num_registers: R, the number of registers of each match.
         has_records: whether the program has `record` statements.
         sets_reward: whether it assigns `simulation().scenic_reward`.
 
@@ -45,17 +45,17 @@ class CompiledBehaviors:
 
     @cached_property
     def limits(self) -> Limits:
-        """The limits of registers: row numbers in slots, what ended a match; other registers may hold any number."""
+        """The limits of registers: of row numbers, faults and endings; other registers may hold any number."""
         compiled, kinds = self.compiled, dict[int, Kind]()
         kinds |= {int(slot): Place(len(self.code.rows)) for slot in slots(self.code)}
-        kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # a match that fails is reset at once
+        kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # the batch resets a failed match at once
         kinds |= {REJECTED: Place(1 + len(compiled.rejections))}
         kinds |= {TERMINATED: Place(1 + len(compiled.end_reasons)), COMPLETE: Place(1 + len(compiled.end_reasons))}
         return Limits.of_array(self.num_registers, kinds)
 
     @cached_property
     def objects_read(self) -> np.ndarray:
-        """What the program reads of each of its O objects: `world_table.UNREAD`, `BUT_HEADING` or `WHOLE`."""
+        """The fields that the program reads of its O objects: `world_table.UNREAD`, `BUT_HEADING` or `WHOLE`, `[O]`."""
         code, count = self.code, len(self.compiled.program.objects)
         registers = np.array([[kind in "abc" for kind in opcode.operands] for opcode in op.OPCODES])
         read = np.zeros(code.register_count, bool)
@@ -67,15 +67,15 @@ class CompiledBehaviors:
         return np.where(cells[:, HEADING], WHOLE, np.where(cells.any(axis=1), BUT_HEADING, UNREAD))
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
-        """Return the registers at the start of an episode on θ `[N, D]`: `[N, R]`."""
+        """Return the registers `[N, R]` at the start of episodes on θ `[N, D]`."""
         return self.compiled.registers(theta)
 
     def recorded(self, registers: np.ndarray) -> dict[str, np.ndarray]:
-        """Return what matches with registers `[N, R]` have recorded in their last step, by name (see `recording`)."""
+        """Return the values recorded in the last step of matches with registers `[N, R]`, by name (see `recording`)."""
         return recorded(self.compiled, registers)
 
     def error(self, match: np.ndarray, registers: np.ndarray, where: str) -> Exception:
-        """Return the error of a match that has failed, from its registers `[R]`: the program's line, and the match."""
+        """Return the error of a failed match from its registers `[R]`, with the program's line and the match."""
         if match["fault"] != PROGRAM_FAULT:
             return FloatingPointError(f"impossible state (fault {match['fault']}) in {where}")
         error = self.compiled.fault(registers)
@@ -85,6 +85,6 @@ class CompiledBehaviors:
 
 
 def does_nothing(rows: np.ndarray) -> bool:
-    """Return whether the threads of a program `[n, 4]` only end, wait, or jump to such rows."""
+    """Return whether the threads of a program `[n, 4]` only end, wait, or jump forward."""
     opcodes, on = rows[:, 0], rows[:, 3] > np.arange(len(rows))
     return bool((np.isin(opcodes, (op.END, op.WAIT)) | ((opcodes == op.JUMP) & on)).all())

@@ -15,10 +15,10 @@ MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "be
 PACKAGES = ("football", "scenic.simulators.gfootball")
 ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # Scenic4RL's other modules
 
-# Parameters that set how the engine differs from the measured one; they may be random, and are columns of θ then.
+# Parameters by which the engine differs from the measured one; random ones are columns of θ.
 FACTORS = frozenset({name for name, *_ in ENGINE_FIELDS})
 
-# Parameters that are settings of the match; all may be random except `ONE_FOR_ALL`, which all matches share.
+# Parameters that are settings of the match. All may be random except `ONE_FOR_ALL`, which all matches share.
 SETTINGS = FACTORS | frozenset(
     {
         "engine_spread",
@@ -30,7 +30,7 @@ SETTINGS = FACTORS | frozenset(
 
 ONE_FOR_ALL = frozenset({"defending"})
 
-# Parameters with which Scenic4RL's programs set up its engine, pictures and log files: accepted and ignored.
+# Parameters with which Scenic4RL's programs configure its engine, pictures and log files: accepted and ignored.
 ENGINE = frozenset(
     {
         *("action_set", "custom_display_stats", "display_game_stats", "dump_frequency", "dump_full_episodes"),

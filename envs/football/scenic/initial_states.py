@@ -1,4 +1,4 @@
-"""Initial states of matches on given levels, made in blocks: 100 levels take hardly longer than one.
+"""Initial states of matches on given levels, computed in blocks: 100 levels take hardly longer than one.
 
 Read next: `vector_env`.
 """
@@ -15,10 +15,10 @@ INVALID = -1
 
 
 class InitialStates:
-    """A cache of the initial states of a block of levels: those requested, and those prefetched.
+    """A cache of the initial states of a block of levels: the requested and the prefetched ones.
 
     An initial state depends on θ alone, so results do not depend on which levels share a block. The environment sets
-    its random stream, which is new in every episode.
+    the random stream of a match, which is new in every episode.
 
     Attributes:
         matches: MATCH `[B]` of the valid levels of the block; registers: `[B, R]`, of the program's behaviors.
@@ -27,17 +27,17 @@ class InitialStates:
     def __init__(self, lineup: Lineup, behaviors: CompiledBehaviors) -> None:
         self._lineup, self._behaviors = lineup, behaviors
         self.matches, self.registers = np.zeros(0, MATCH), np.zeros((0, behaviors.num_registers))
-        self._rows: dict[bytes, int] = {}  # of each level of the block; INVALID for unplayable ones
-        self._coming: list[np.ndarray] = []  # prefetched levels, in one array
+        self._rows: dict[bytes, int] = {}  # row of each level of the block; INVALID for unplayable levels
+        self._coming: list[np.ndarray] = []  # prefetched levels, in at most one array
 
     def prefetch(self, levels: np.ndarray) -> None:
-        """Make the initial states of these levels `[k]` together with the next block."""
+        """Compute the initial states of these levels `[k]` together with the next block."""
         self._coming = [levels]
 
     def rows(self, levels: np.ndarray) -> np.ndarray:
         """Return the indices of levels `[k]` into `matches` and `registers`: `[k]`, or INVALID.
 
-        If one is missing, the block is replaced by these levels and the prefetched ones.
+        If any level is missing, these levels and the prefetched ones replace the block.
         """
         keys = _keys(levels)
         if not self._rows.keys() >= set(keys):

@@ -1,4 +1,4 @@
-"""From a Scenic program to matches about to begin: the player of each object, and the initial positions.
+"""From a Scenic program to matches in their initial states: the player of each object, and the positions.
 
 Read next: `vector_env`.
 """
@@ -25,13 +25,13 @@ ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "
 TEAMS = {"left": LEFT, "right": RIGHT}
 METRES = np.array([METRES_PER_X, METRES_PER_Y])
 
-# Default endings of programs; academy scenarios and `MatchConfig` have other defaults.
+# Default endings of programs; the defaults of academy scenarios and `MatchConfig` differ.
 UNLESS_SAID = {
     "end_episode_on_score": False,
     "end_episode_on_out_of_play": False,
     "end_episode_on_possession_change": False,
 }
-TRIALS = 256  # scenes in which random settings are checked before any match
+TRIALS = 256  # number of scenes on which random settings are checked before any match
 LONGEST = 1_000_000  # steps of an episode
 WANTED = {
     bool: "True or False",
@@ -43,7 +43,7 @@ WANTED_FACTOR = f"a number above 0 and up to {MOST_FACTOR:g}"
 
 
 class NotAMatchError(ValueError):
-    """A program that does not describe a match: the message gives the place, the problem and the remedy.
+    """A program that does not describe a match; the message gives the place, the problem and the remedy.
 
     `place` is the position in the program, or None.
     """
@@ -52,7 +52,7 @@ class NotAMatchError(ValueError):
 
 
 def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> NotAMatchError:
-    """Return the error for a place in a program, with its line underlined."""
+    """Return the error for a place in a program, with the line and the place underlined."""
     error = NotAMatchError(str(program.error("unsupported", message, place, hint)))
     error.place = place
     return error
@@ -67,12 +67,12 @@ class Lineup:
         ball: index of the ball among the objects.
         object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
         roster: teams and roles `[P]`; random roles have their values at θ = 0.
-        config: the settings in the program's parameters; for random ones their defaults.
-        random_settings: the names of those settings that differ from match to match.
+        config: the settings from the program's parameters; defaults for random settings.
+        random_settings: the names of the settings that differ from match to match.
         num_agents: the number of agents of the left and of the right team.
 
-    `engine_spread`, unless 0, replaces that of `MatchConfig`. Raises NotAMatchError, also for a `control` mode (see
-    `control_modes`) that needs more players.
+    An `engine_spread` other than 0 replaces that of `MatchConfig`. Raises NotAMatchError, also for a `control` mode
+    (see `control_modes`) that needs more players.
     """
 
     def __init__(
@@ -127,14 +127,14 @@ class Lineup:
 
     @cached_property
     def limits(self) -> Limits:
-        """The limits of the fields of its matches."""
+        """The limits of the fields of matches with this line-up."""
         any_match = placed(self._unplaced, np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), [0], self.config)
         random = [f".players[{place}].role" for place, _ in self._random_roles]
         return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64), random)
 
     @cached_property
     def longest_game(self) -> int | None:
-        """The `game_duration` in steps, the longest if it is random; None unless the column named so decides it."""
+        """The `game_duration` in steps, its maximum if random; None unless a bounded column of this name sets it."""
         if "game_duration" not in self.random_settings:
             return int(self.config.game_duration)  # type: ignore[arg-type]
         draws = self.program.draws
@@ -144,7 +144,7 @@ class Lineup:
         options = choice_in(draws[column])
         ends = np.array([-1.0, 1.0]) if options is None else options.middle(np.arange(options.count))
         theta = np.repeat([np.full(len(draws), -1.0), np.full(len(draws), 1.0)], len(ends), axis=0)
-        theta[:, column] = np.tile(ends, 2)  # the other columns at both ends: options may be random, too
+        theta[:, column] = np.tile(ends, 2)  # the other columns at both ends, since options may be random, too
         return int(np.max(self.program.instantiate(theta).params["game_duration"]))
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
@@ -181,7 +181,7 @@ class Lineup:
         """Raise NotAMatchError if a random setting is invalid in some scenes, judging by a few of them."""
         if self.random_settings:
             rng = np.random.default_rng(0)
-            trial = rng.uniform(-1.0, 1.0, (TRIALS, self.program.dim))  # also at their ends, where limits are exceeded
+            trial = rng.uniform(-1.0, 1.0, (TRIALS, self.program.dim))  # half of them at the bounds
             trial[: TRIALS // 2] = np.sign(trial[: TRIALS // 2])
             scenes = self.program.instantiate(trial)
             for name in self.random_settings:
@@ -229,7 +229,7 @@ class Lineup:
 
 
 def _settings(program: Program) -> MatchConfig:
-    """Return the settings among the parameters of a program; an invalid value is refused at its place."""
+    """Return the settings among the parameters of a program. Raises NotAMatchError at the place of an invalid value."""
     chosen = {name: place for name, place in program.param_places.items() if name in SETTINGS}
     for name, place in chosen.items():
         kind = type(getattr(MatchConfig(), name))
@@ -259,4 +259,4 @@ def _wanted(kind: type, name: str) -> str:
 
 
 def _is_factor(name: str) -> bool:
-    return name in FACTORS and name != "sticky_noise"  # which is a probability
+    return name in FACTORS and name != "sticky_noise"  # sticky_noise is a probability

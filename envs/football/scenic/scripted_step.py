@@ -1,10 +1,10 @@
 """The program's part of a step: behaviors command players, monitors give rewards and end the match.
 
-Scalar code on one match, called by the simulator's step: behaviors act, the match is played, monitors run, so that a
-monitor sees the result of the step. Each stage returns at once if a match has no program: `code` is None, and Numba
-drops the rest. `code` holds behaviors and monitors, `registers` [R] their memory, `commands` [O] the commands of the
-objects; `cast` maps objects to players.
-Read next: `scenic.world_table`, what programs see; `simulator`.
+This is scalar code on one match, called by the simulator's step: behaviors act, the match is played, then monitors run,
+so that a monitor sees the result of the step. Without a program `code` is None: each stage returns at once, and Numba
+does not compile the rest. `code` holds behaviors and monitors, `registers` [R] their memory, `commands` [O] the
+commands of the objects; `cast` maps objects to players.
+Read next: `scenic.world_table`, the tables that programs read; `simulator`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TER
 def run_program_behaviors(match, code, cast, registers, commands):
     """Let the behaviors write the commands of their objects; return whether the match goes on.
 
-    A behavior that ends the episode ends it at once; a fault leaves the match as it was before the step.
+    If a behavior ends the episode, it ends at once. After a fault, the match is as it was before the step.
     """
     if code is None:
         return True
@@ -52,7 +52,7 @@ def run_program_monitors(match, code, cast, registers, commands):
     write_world(match, cast.players, registers, code.world_base, cast.read)
     match.program_reward = run_watchers(code, registers, match)
     if match.ended != RUNNING and not over(registers):
-        end(code, registers, commands, match)  # a violated requirement may be found here
+        end(code, registers, commands, match)  # may detect a violated requirement
     apply_program_verdict(match, registers)
 
 
@@ -90,7 +90,7 @@ def command_players(match, object_to_player, commands):
 
 @kernel
 def commands_in_team_frame(team, actions):
-    """Turn every direction among some actions for a right player; the built-in AI's action stands alone."""
+    """Rotate all directions among the actions of a right player; the built-in AI's action is always a single action."""
     turned, digit = 0, 1
     while actions > 0:
         action = actions % NUM_COMMANDS

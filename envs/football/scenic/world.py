@@ -1,7 +1,7 @@
 """The football world as programs see it: live properties of players and ball, the state of the game, the actions.
 
-Units are Scenic's: x from -100 to 100, y from -42 to 42, headings in radians counterclockwise from +y. Importing it
-compiles nothing. Read next: `scenic.world_table`, which fills the tables from a match.
+Units are Scenic's: x from -100 to 100, y from -42 to 42, headings in radians counterclockwise from +y. Importing this
+module compiles nothing. Read next: `scenic.world_table`, which fills the tables from a match.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
 
 
 def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
-    """Return the value of `simulation()`: the state of the game under the names that Scenic4RL's programs use."""
+    """Return the value of `simulation()`: the state of the game, with the names that Scenic4RL's programs use."""
     players = [instance for instance in objects if not is_ball(instance)]
     left = [instance for instance in players if instance.properties["team"] == "left"]
     right = [instance for instance in players if instance.properties["team"] == "right"]

@@ -1,6 +1,7 @@
 """The columns of the tables that programs read: `FIELDS` of every object, then `FACTS` of the match.
 
-Compiled code counts these names and depends on nothing else of the language. Read next: `scenic.world`, their meaning.
+Compiled code depends on the number of these names, and on no other part of the language. Read next: `scenic.world`,
+their meaning.
 """
 
 FIELDS = (
@@ -11,9 +12,9 @@ FIELDS = (
     "vy",
     "speed",
     "owns_ball",
-    "is_controlled",  # an agent moves the player in this step
+    "is_controlled",  # whether an agent moves the player in this step
     "tired_factor",
-    "pressed",  # direction action, 1..8 as the player sees the pitch, 0 none
+    "pressed",  # direction action, 1..8 as the player sees the pitch, 0 for none
     "sprint",
     "dribble",
     "owned_team",  # of the ball: 0 left, 1 right, -1 none

@@ -16,13 +16,13 @@ from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.scenic.world_fields import FIELDS
 from regista.kernels.jit import kernel
 
-THE_BALL = -1  # in place of a player's index
+THE_BALL = -1  # instead of the index of a player
 NUM_FIELDS, HEADING = len(FIELDS), FIELDS.index("heading")
-UNREAD, BUT_HEADING, WHOLE = range(3)  # which fields of an object a program reads
+UNREAD, BUT_HEADING, WHOLE = range(3)  # the fields of an object that a program reads
 
 
 class Cast(NamedTuple):
-    """The players of the O objects of a program, and which fields it reads: only these are written."""
+    """The players of the O objects of a program, and the fields that it reads; only these fields are written."""
 
     players: np.ndarray  # [O] int64, the player of each object, or THE_BALL
     read: np.ndarray  # [O] int64, UNREAD, BUT_HEADING or WHOLE
@@ -32,7 +32,7 @@ class Cast(NamedTuple):
 def write_world(match, object_to_player, registers, base, read=None):
     """Write the tables into registers `[R]` from `base` on: fields `[O, F]`, then facts `[G]`.
 
-    `object_to_player` and `read` are those of a `Cast`; None: everything is read.
+    `object_to_player` and `read` are fields of a `Cast`; with `read` None, all fields are written.
     """
     at = base
     for o in range(len(object_to_player)):

@@ -1,4 +1,4 @@
-"""Shots blocked by an opponent in their way: by a leg that is already out for the ball, or by the body.
+"""Shots blocked by an opponent in their way: by a leg already extended towards the ball, or by the body.
 
 As measured in Google Research Football, where only shots are blocked. Read next: `skills.contacts`.
 """
@@ -17,25 +17,25 @@ from regista.kernels.rng import uniform
 
 
 class Block(NamedTuple):
-    """How near a shot must pass an opponent to be blocked, and where it goes then.
+    """How near a shot must pass an opponent to be blocked, and the direction that it then takes.
 
     Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `lab.benchmarks
     --suite grf`, family blocks.
     """
 
-    until: float = 0.2  # s after the kick
-    leg_until: float = 0.045  # s, until which a leg out for the ball can block,
-    leg_gone: float = 0.12  # s, and from which on it is gone
+    until: float = 0.2  # s after the kick, in which blocks are possible
+    leg_until: float = 0.045  # s after the kick, until which an extended leg can block,
+    leg_gone: float = 0.12  # s, from which on the leg is back
     below: float = 1.9  # m above the ground, above which no block is possible
-    body: float = 0.25  # m from the body's axis, within which a block is certain,
-    body_edge: float = 0.55  # and beyond which it is impossible
-    leg: float = 0.7  # m added to both while the leg is out,
-    leg_most: float = 0.55  # with this maximum probability,
-    body_most: float = 0.95  # and later this one
-    slow: float = 0.4  # share of its speed that the ball keeps, at least,
-    fast: float = 0.66  # and at most
-    scatter: float = 0.6  # rad either way, off the direction straight away from the player
-    rise: float = 9.0  # m/s upwards at most, and mostly much less
+    body: float = 0.25  # m from the body's axis, within which a block has its maximum probability
+    body_edge: float = 0.55  # m from the body's axis, beyond which a block is impossible
+    leg: float = 0.7  # m added to both distances while the leg is extended
+    leg_most: float = 0.55  # maximum probability while the leg is extended
+    body_most: float = 0.95  # maximum probability later
+    slow: float = 0.4  # share of its speed that the ball keeps, at least
+    fast: float = 0.66  # share of its speed that the ball keeps, at most
+    scatter: float = 0.6  # rad to either side of the direction straight away from the player
+    rise: float = 9.0  # m/s upwards, at most; usually much less
     wait: float = 0.3  # s until the player can touch it again
 
 
@@ -44,7 +44,7 @@ BLOCK = Block()
 
 @kernel
 def is_shot(match):
-    """Return whether the ball has just been struck, not as a pass to a teammate."""
+    """Return whether the ball has just been struck, and not as a pass to a teammate."""
     return match.was_kicked and match.receiver == NOBODY and match.kick_age < BLOCK.until
 
 

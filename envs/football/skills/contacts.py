@@ -1,4 +1,4 @@
-"""Contacts of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
+"""Contacts of players with a free ball or another player's ball: traps, tackles, claims by hand, saves and blocks.
 
 Read next: `skills.tackles`, then `rules.referee`.
 """
@@ -39,26 +39,26 @@ class Trap(NamedTuple):
     reach: float = 0.75  # m
     leg: float = 0.83  # m, for a standing player with no direction held, who puts out a leg
     below: float = 1.9  # m
-    sudden_age: float = 0.25  # s after a ball was struck in which no player puts out a leg for it,
-    sudden_speed: float = 22.0  # m/s, at least
-    first_time_from: float = 3.0  # m/s; slower balls are taken to the feet and kicked with a full swing
-    header_from: float = 0.9  # m
-    volley_below: float = 0.55  # m, height of a ball below which a shot is first-time; above, the ball is stopped,
-    volley_above: float = 1.4  # m, up to here, where it is headed,
-    volley: float = 0.15  # except in this share
-    volley_run: float = 3.3  # m/s to which the swing slows a runner
-    settles: float = 0.25  # s in which a ball stopped for a shot drops, before the leg swings
+    sudden_age: float = 0.25  # s after a ball was struck, in which no player extends a leg to it
+    sudden_speed: float = 22.0  # m/s, minimum speed of such a ball
+    first_time_from: float = 3.0  # m/s; slower balls are brought to the feet and kicked with a full swing
+    header_from: float = 0.9  # m, height above which a ball is headed
+    volley_below: float = 0.55  # m; a lower ball is shot first-time, a higher ball is stopped first
+    volley_above: float = 1.4  # m; a still higher ball is headed
+    volley: float = 0.15  # share of balls between these heights that are shot first-time
+    volley_run: float = 3.3  # m/s to which the swing slows a runner down
+    settles: float = 0.25  # s in which a ball stopped for a shot drops before the leg swings
 
 
 class MatesBall(NamedTuple):
     """A teammate's ball, for a player who has requested a kick; checked against random meetings in both engines."""
 
     reach: float = 0.7  # m
-    pushed: float = 0.03  # m: beyond it the player swings; otherwise once the ball comes no nearer
-    missed: float = 0.3  # share of a swing that is lost in the worst case: the player misses,
-    best: float = 1.3  # share that may remain besides; values above 1 count as 1
-    stops: float = 0.4  # s since the request, in which the player stops the ball first
-    robbed_wait: float = 0.3  # s until the teammate can touch it again
+    pushed: float = 0.03  # m of being pushed, beyond which the player swings; otherwise once the ball comes no nearer
+    missed: float = 0.3  # share of a swing that is subtracted; if nothing is left, the player misses
+    best: float = 1.3  # range of the random share before this; more than 1 counts as 1
+    stops: float = 0.4  # s after the request, in which the player stops the ball first
+    robbed_wait: float = 0.3  # s until the teammate can touch the ball again
 
 
 class Claim(NamedTuple):
@@ -67,14 +67,14 @@ class Claim(NamedTuple):
     reach: float = 0.95  # m
     below: float = 2.2  # m
     standing: float = 0.6  # chance against a standing carrier
-    sure: float = 1.95  # against a running one,
-    hurried: float = 0.145  # less per m/s,
+    sure: float = 1.95  # chance against a running carrier,
+    hurried: float = 0.145  # less this per m/s of the carrier,
     most: float = 1.08  # but at most
-    wait: float = 0.7  # s when beaten, until the keeper can touch the ball again
-    down: float = 0.6  # s on the ground then; not after a standing carrier
+    wait: float = 0.7  # s until a beaten keeper can touch the ball again
+    down: float = 0.6  # s on the ground, for a beaten keeper; not against a standing carrier
     swerve: float = 25.0  # m/s across the keeper's reach at which the ball cannot be won
     robbed_wait: float = 0.7  # s until a robbed carrier can touch the ball again
-    bumped: float = 0.45  # s for which a carrier who has got past stumbles over the keeper
+    bumped: float = 0.45  # s for which a carrier who gets past the keeper stumbles
 
 
 class Feet(NamedTuple):
@@ -83,27 +83,27 @@ class Feet(NamedTuple):
     The keeper won 116 of 120 measured meetings outside the box, 72 in a slide. Pokes are as documented, kicks fitted.
     """
 
-    chance: float = 0.96  # to win it,
-    swerve: float = 6.0  # m/s across the keeper's reach at which it cannot be won; half as fast has little effect,
-    front: float = 0.5  # cosine of the angle from the carrier's front, at least: otherwise a tackle
+    chance: float = 0.96  # chance to win the ball
+    swerve: float = 6.0  # m/s across the keeper's reach, at which the ball cannot be won; half of it has little effect
+    front: float = 0.5  # minimum cosine of the angle from the carrier's front; below it, the keeper tackles
     slide_reach: float = 0.95  # m from the body to a ball that the slide plays
     slides: float = 0.63  # share of wins that are slides
-    poke_run: float = 0.5  # share of the keeper's velocity that a poked ball gets,
-    poke_speed: float = 4.0  # and m/s away from the keeper,
-    poke_rise: float = 0.5  # and m/s up,
-    poke_rise_spread: float = 1.0  # and as many more at most
-    slow: float = 9.0  # m/s of a ball kicked out of a slide, at least,
-    fast: float = 15.0  # and at most,
-    rise: float = 0.78  # and this share of that up
-    kick_run: float = 0.3  # s by which the keeper's run deflects it
-    wait: float = 0.5  # s until the keeper can touch it again
-    due: float = 0.2  # s since the carrier's touch, after which the keeper's body stops the ball:
-    stopped: float = 0.7  # share of its speed that it then keeps, forward,
-    height: float = 0.6  # m,
-    drop: float = 1.8  # m/s down
-    blunted: float = 0.3  # share of the carrier's run that is left after running into the slide,
+    poke_run: float = 0.5  # share of the keeper's velocity that a poked ball gets
+    poke_speed: float = 4.0  # m/s of it away from the keeper
+    poke_rise: float = 0.5  # m/s of it upwards,
+    poke_rise_spread: float = 1.0  # and at most this more
+    slow: float = 9.0  # m/s of a ball kicked out of a slide, at least
+    fast: float = 15.0  # m/s, at most
+    rise: float = 0.78  # share of this speed that is added upwards
+    kick_run: float = 0.3  # s of the keeper's run by which the kick is deflected
+    wait: float = 0.5  # s until the keeper can touch the ball again
+    due: float = 0.2  # s since the carrier's touch, after which the kicked ball hits the carrier and bounces off
+    stopped: float = 0.7  # share of its speed that this ball keeps
+    height: float = 0.6  # m, height of this ball
+    drop: float = 1.8  # m/s downwards
+    blunted: float = 0.3  # share of the carrier's velocity that is left after running into the slide
     stumble: float = 0.15  # s until the carrier accelerates again, at least,
-    stumble_spread: float = 0.27  # s, and more at most
+    stumble_spread: float = 0.27  # s more, at most
 
 
 class Deflect(NamedTuple):
@@ -112,15 +112,15 @@ class Deflect(NamedTuple):
     Fitted to 190 measured meetings.
     """
 
-    run_least: float = 0.25  # share of the keeper's speed left at the contact, at least,
-    run_more: float = 1.05  # and more, at most:
-    run_power: float = 2.5  # most often little
-    clean: float = 0.4  # share met cleanly; otherwise the ball keeps a part of its velocity
-    knocked_on: float = 0.6  # m that the ball is ahead of its carrier, from where on the keeper may slide,
-    slides: float = 0.55  # with this probability
-    down: float = 0.6  # s on the ground,
-    wait: float = 1.0  # and until the keeper can touch it again
-    robbed_wait: float = 0.5  # s until the carrier can
+    run_least: float = 0.25  # share of the keeper's velocity that is left at the contact, at least,
+    run_more: float = 1.05  # and more, at most,
+    run_power: float = 2.5  # with this exponent of a uniform draw, so usually little
+    clean: float = 0.4  # share of balls met cleanly; the others keep a part of their velocity
+    knocked_on: float = 0.6  # m between the carrier and the ball, beyond which the keeper may slide
+    slides: float = 0.55  # probability of this slide
+    down: float = 0.6  # s on the ground
+    wait: float = 1.0  # s until the keeper can touch the ball again
+    robbed_wait: float = 0.5  # s until the carrier can touch the ball again
 
 
 class Catch(NamedTuple):
@@ -128,9 +128,9 @@ class Catch(NamedTuple):
 
     below: float = 2.8  # m, height of a ball that can be saved
     easy: float = 8.0  # m/s; slower balls are always caught
-    near: float = 0.9  # m: without a dive
+    near: float = 0.9  # m; no dive is needed within this distance
     block_down: float = 0.3  # s on the ground after a block without a dive
-    dive_down: float = 1.1  # s, after a dive
+    dive_down: float = 1.1  # s on the ground after a dive
 
 
 # Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, families keeper and passes.
@@ -141,7 +141,7 @@ _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state 
 
 @kernel
 def reachable(match):
-    """Return a bit for every player who may meet the ball within a step."""
+    """Return the bits of all players who may meet the ball within a step."""
     ball = match.ball
     reach = MEETING + STEP * (8.0 + math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
     bits = 0
@@ -158,8 +158,8 @@ def meet_ball(match, bits, far, behind):
     """Let every player in `bits` try for the ball in this frame.
 
     The order alternates between steps, and between matches, so that no side is favored in the same scene. A player may
-    read the positions of others: so those in the bits `far`, so many frames behind, are moved first; return the number
-    of frames left.
+    read the positions of others, so the players in the bits `far`, which are `behind` frames behind, are moved first.
+    Return the number of frames left.
     """
     turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
@@ -184,7 +184,7 @@ def meet_ball(match, bits, far, behind):
 
 @kernel
 def meet(match, i, distance):
-    """Let player i, this far from the ball, take the action that fits: save, claim, tackle, or trap."""
+    """Let player i, at `distance` m from the ball, save, claim, tackle or trap it, whichever applies."""
     player, ball = match.players[i], match.ball
     if match.saver == i:
         if match.save_wait < STEP and distance < DIVE.arm:
@@ -204,20 +204,20 @@ def meet(match, i, distance):
 
 @kernel
 def reach_of(player):
-    """Return the distance in m from the body at which a player brings a free ball under control."""
+    """Return the distance in m from the body within which a player brings a free ball under control."""
     stands = player.direction == 0 and player.desired_vx == 0.0 and player.desired_vy == 0.0
     return TRAP.leg if stands and length(player.vx, player.vy) < STANDING else TRAP.reach
 
 
 @kernel
 def too_sudden(match):
-    """Return whether the ball has just been struck so hard that it only meets players whom it hits."""
+    """Return whether the ball has just been struck so hard that players only touch it if it hits them."""
     return match.was_kicked and match.kick_age < TRAP.sudden_age and ball_speed(match.ball) > TRAP.sudden_speed
 
 
 @kernel
 def challenge(match, i, distance):
-    """Let player i, this far from the ball, try to win it from the carrier."""
+    """Let player i, at `distance` m from the ball, try to win it from the carrier."""
     player, ball = match.players[i], match.ball
     hands = has_hands(match, i)
     if player.role == GK and player.is_sliding:
@@ -246,7 +246,7 @@ def trap(match, i):
     if stops and match.carrier == i:
         match.ball.vz = min(match.ball.vz, 0.0)
         player.brings_down, player.stance_wait = True, TRAP.settles
-    if match.carrier == NOBODY and match.game_mode == NORMAL:  # it bounced off the player, perhaps towards a goal
+    if match.carrier == NOBODY and match.game_mode == NORMAL:  # the ball bounced off the player, perhaps towards a goal
         foresee(match, player.team)
 
 
@@ -267,7 +267,7 @@ def slow_to_volley(player):
 
 @kernel
 def meets_mates_ball(player, ball, distance):
-    """Return whether a ball in a player's reach comes no nearer, or others already push the player."""
+    """Return whether a ball in a player's reach no longer comes nearer, or other bodies already push the player."""
     if distance > MATES_BALL.reach or ball.z > TRAP.header_from:
         return False
     closing = (ball.x - player.x) * (ball.vx - player.vx) + (ball.y - player.y) * (ball.vy - player.vy)
@@ -278,8 +278,8 @@ def meets_mates_ball(player, ball, distance):
 def kick_mates_ball(match, i):
     """Let player i, who has requested a kick, play a teammate's ball first-time.
 
-    After a recent request the player stops it first. Later the player swings at the ball's position without another
-    touch of the teammate: so the swing often meets only a part of the ball, or misses.
+    After a recent request, the player stops the ball first. After an older one, the player swings at the ball where it
+    is, so the swing often meets only a part of the ball, or misses.
     """
     player = match.players[i]
     if STEP * (KICK_PATIENCE - player.kick_patience) < MATES_BALL.stops:
@@ -327,7 +327,7 @@ def claim(match, i):
 
 @kernel
 def slide_at(match, i, distance):
-    """Let keeper i, sliding this far from the ball, kick it away or miss it, once."""
+    """Let keeper i, sliding at `distance` m from the ball, kick it away or miss it, once per slide."""
     player, ball = match.players[i], match.ball
     if player.is_slide_spent or distance > FEET.slide_reach or ball.z > TRAP.header_from:
         return
@@ -338,7 +338,7 @@ def slide_at(match, i, distance):
 
 @kernel
 def can_keep(match, i):
-    """Return whether keeper i catches the carrier's ball: it is slow, and was not just played."""
+    """Return whether keeper i catches the carrier's ball, which must be slow and not just played."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     return is_caught_off_feet(length(ball.vx - player.vx, ball.vy - player.vy), abs(carrier.stride))
 
@@ -352,7 +352,7 @@ def slides_in(match):
 
 @kernel
 def deflect(match, i):
-    """Let keeper i knock the ball away off a carrier's feet with the hands, harder at a faster run."""
+    """Let keeper i knock the ball off a carrier's feet with the hands, harder at a faster run."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     before_x, before_y = ball.vx, ball.vy
     take(match, i)
@@ -373,7 +373,7 @@ def deflect(match, i):
 
 @kernel
 def knock_loose(match, i, j, slides):
-    """Let keeper i play the ball away off carrier j's feet, in a slide with this chance."""
+    """Let keeper i play the ball off carrier j's feet; `slides` is the probability of a slide."""
     player, carrier, ball = match.players[i], match.players[j], match.ball
     since = carrier.stride
     take(match, i)
@@ -415,7 +415,7 @@ def bounce_off(match, j):
 
 @kernel
 def catch(match, i):
-    """Let keeper i catch a free ball, or parry one that comes too hard."""
+    """Let keeper i catch a free ball, or parry it if it is too fast."""
     player, ball = match.players[i], match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
     if fast < CATCH.easy or is_caught(match, fast):

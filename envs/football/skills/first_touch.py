@@ -20,39 +20,39 @@ from regista.kernels.rng import uniform
 
 
 class Difficulty(NamedTuple):
-    """What makes a free ball hard to control: speed, distance, surprise and pushes, each with a weight.
+    """The difficulty of controlling a free ball: speed, distance, surprise and pushes, each with a weight.
 
     Law and numbers are documented by Google Research Football and checked by `lab.benchmarks --suite grf`,
     families passes and matches.
     """
 
-    speed_from: float = 10.0  # m/s relative to the player, up to which a ball is easy,
-    speed_range: float = 40.0  # m/s more make it hardest
+    speed_from: float = 10.0  # m/s relative to the player, up to which a ball is easy
+    speed_range: float = 40.0  # m/s more, at which it is hardest
     speed_power: float = 1.5
-    speed_weight: float = 5.0  # weight in how far the ball bounces off,
-    speed_weight_high: float = 2.0  # and factor of that in how high
-    ahead: float = 0.2  # m ahead of the body: the distance is measured from there
-    distance_from: float = 0.7  # m, up to which a ball is easy,
-    distance_range: float = 0.6  # m more make it hardest
-    distance_weight: float = 2.0  # weight in how high the ball bounces off,
-    distance_weight_far: float = 4.0  # and factor of that in how far
-    surprise_time: float = 0.73  # s after an opponent's kick in which surprise fades
+    speed_weight: float = 5.0  # weight in the distance of the bounce
+    speed_weight_high: float = 2.0  # factor of this weight in the height of the bounce
+    ahead: float = 0.2  # m ahead of the body, from where the distance to the ball is measured
+    distance_from: float = 0.7  # m, up to which a ball is easy
+    distance_range: float = 0.6  # m more, at which it is hardest
+    distance_weight: float = 2.0  # weight in the height of the bounce
+    distance_weight_far: float = 4.0  # factor of this weight in the distance of the bounce
+    surprise_time: float = 0.73  # s after an opponent's kick, in which surprise fades
     surprise_power: float = 0.6
     surprise_weight: float = 5.0
-    surprise_kept: float = 0.1  # share of surprise by which the ball keeps its velocity
-    push_weight: float = 4.0  # weight of the hardest push in how far the ball bounces off,
-    push_weight_high: float = 0.25  # and factor of that in how high
-    skill: float = 0.75  # difficulty left at skill 1: 1 less half of the players' ball control
+    surprise_kept: float = 0.1  # share of its velocity that the ball keeps, per unit of surprise
+    push_weight: float = 4.0  # weight of the hardest push in the distance of the bounce
+    push_weight_high: float = 0.25  # factor of this weight in the height of the bounce
+    skill: float = 0.75  # difficulty left at skill 1: 1 minus half of the players' ball control
 
 
 class Drop(NamedTuple):
     """A stopped ball drops at the feet, or bounces off by its difficulty; as documented."""
 
-    rest: float = 0.38  # m ahead of the body, its target
-    jump_scale: float = 0.215  # m of way to it,
-    jump_power: float = 0.7  # to this power, make 1 m/s
+    rest: float = 0.38  # m ahead of the body, the ball's target
+    jump_scale: float = 0.215  # m to the target, at which the ball has 1 m/s,
+    jump_power: float = 0.7  # and exponent of the distance
     least_gap: float = 0.2  # m
-    lift: float = 4.0  # m/s upwards of the hardest ball
+    lift: float = 4.0  # m/s upwards, of the hardest ball
     loose: float = 0.5  # difficulty above which the ball is free
     touch_again: float = 0.3  # s until the player can touch it again
     traps_for: float = 0.25  # s in which a player with no direction held ignores a new direction
@@ -61,13 +61,13 @@ class Drop(NamedTuple):
 class TakeAlong(NamedTuple):
     """An easy ball is played in the held direction without breaking the run."""
 
-    slows: float = 0.9  # m/s of the run that a touch at a right angle costs, times the sine of the angle
+    slows: float = 0.9  # m/s of the run lost in a touch at a right angle; otherwise times the sine of the angle
     turns: float = 0.5  # share of the lateral run that the touch removes
-    pace: float = 1.3  # the ball's speed: this times the player's after the touch,
-    more: float = 1.5  # plus so many m/s,
-    most: float = 0.93  # at most this times the desired speed
-    back_speed: float = 2.3  # m/s of the ball if the held direction leads back,
-    back_keeps: float = 0.55  # and the share of the run that the player keeps
+    pace: float = 1.3  # factor of the player's speed after the touch in the ball's speed,
+    more: float = 1.5  # m/s, added to it
+    most: float = 0.93  # maximum of it, as a share of the desired speed
+    back_speed: float = 2.3  # m/s of the ball, if the held direction leads back
+    back_keeps: float = 0.55  # share of the run that the player then keeps
 
 
 class AtRest(NamedTuple):
@@ -75,17 +75,17 @@ class AtRest(NamedTuple):
 
     below: float = 0.5  # m/s; slower balls are at rest
     set_off: float = 3.0  # m/s of the ball at a standing start
-    stride_from: float = 0.5  # m/s; faster players play it within their stride,
+    stride_from: float = 0.5  # m/s; faster players play the ball within their stride,
     stride_cosine: float = -0.6  # unless the cosine between run and held direction is below this
-    stride_ball: float = 4.3  # m/s of the ball then
-    pace: float = 0.8  # m/s of the player in the held direction then,
-    pace_turned: float = 1.2  # m/s more, times that cosine, which is negative,
-    pace_kept: float = 0.3  # plus this share of the run in that direction
-    aside_kept: float = 0.8  # share of the lateral run that the player keeps,
-    aside_most: float = 2.9  # m/s at most
-    stops: float = 0.82  # share of the run left to a player with no direction held, who stops with the ball,
-    stops_ball: float = 0.12  # and the share of that which the ball has
-    stops_for: float = 0.2  # s in which a new direction then has no effect
+    stride_ball: float = 4.3  # m/s of the ball in this case
+    pace: float = 0.8  # m/s of the player in the held direction, in this case,
+    pace_turned: float = 1.2  # m/s added to it, times that cosine, which is negative,
+    pace_kept: float = 0.3  # and this share of the run in that direction
+    aside_kept: float = 0.8  # share of the lateral run that the player keeps
+    aside_most: float = 2.9  # m/s of it, at most
+    stops: float = 0.82  # share of the run left to a player with no direction held, who stops with the ball
+    stops_ball: float = 0.12  # share of that run which the ball gets
+    stops_for: float = 0.2  # s in which a new direction has no effect after such a stop
 
 
 class BringDown(NamedTuple):
@@ -94,26 +94,26 @@ class BringDown(NamedTuple):
     Fitted to 400 drawn passes of Google Research Football, checked on 60 others.
     """
 
-    hard: float = 7.0  # m/s relative to the player: a hard ball
-    nearest: float = 0.3  # m before its nearest point, where it is played,
-    meets: float = 0.75  # m from the player at most,
+    hard: float = 7.0  # m/s relative to the player, of a hard ball
+    nearest: float = 0.3  # m before its nearest point, where the ball is played
+    meets: float = 0.75  # m from the player to that point, at most
     ready: float = 0.12  # s before that, in which the player no longer turns
     gains: float = 2.1  # m/s gained in the held direction,
-    gains_less: float = 0.5  # less for each m/s of the run,
+    gains_less: float = 0.5  # less this per m/s of the run,
     gains_least: float = 0.5  # but at least
-    back_from: float = 2.0  # m/s: a faster run if the held direction leads back;
-    back_slow: float = 0.75  # share that is left of a slower one
-    back_left: float = 0.45  # share of the run left if the held direction leads back,
-    back_aside: float = 0.6  # and of the lateral run then,
-    back_ball: float = 0.6  # m/s of the ball in the held direction then,
-    back_follows: float = 0.3  # and the share of the lateral run that it keeps
-    aside_left: float = 0.3  # and of the lateral run otherwise,
-    aside_more: float = 0.09  # more for each m/s of it
-    most: float = 4.1  # m/s of the run at most
+    back_from: float = 2.0  # m/s; a faster run is turned back if the held direction leads back
+    back_slow: float = 0.75  # share of a slower run that is left
+    back_left: float = 0.45  # share of the run left, when turned back
+    back_aside: float = 0.6  # share of the lateral run left, when turned back
+    back_ball: float = 0.6  # m/s of the ball in the held direction, when turned back
+    back_follows: float = 0.3  # share of the lateral run that the ball then gets
+    aside_left: float = 0.3  # share of the lateral run left otherwise,
+    aside_more: float = 0.09  # and this more per m/s of the run
+    most: float = 4.1  # m/s of the run, at most
     ahead: float = 2.4  # m/s by which the ball is faster in the held direction,
-    ahead_less: float = 0.8  # less for each m/s of the run,
+    ahead_less: float = 0.8  # less this per m/s of the run,
     ahead_least: float = 1.2  # but at least
-    rolls: float = 0.4  # s until it is played again
+    rolls: float = 0.4  # s until the ball is played again
 
 
 HARD, DROP, ALONG = Difficulty(), Drop(), TakeAlong()
@@ -122,9 +122,7 @@ AT_REST, BRING_DOWN = AtRest(), BringDown()
 
 @kernel
 def difficulty(match, player):
-    """Return how hard a ball is to control: how far and how high it bounces off, and how much velocity it keeps, in [0,
-    1].
-    """
+    """Return the difficulty of a ball: how far and how high it bounces, and how much velocity it keeps, in [0, 1]."""
     ball = match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
     away = length(ball.x - player.x - HARD.ahead * player.facing_x, ball.y - player.y - HARD.ahead * player.facing_y)
@@ -152,8 +150,8 @@ def surprised(match, player):
 def take_along(ball, player):
     """Play an easy ball in the held direction without breaking the run; a change of direction costs some speed.
 
-    The touch turns the player: half of the lateral run is gone, and at least half of the speed goes in the new
-    direction; if that leads back, a stop comes first.
+    The touch turns the player: half of the lateral run is lost, and at least half of the speed goes in the new
+    direction. If that leads back, a stop comes first.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
@@ -187,8 +185,8 @@ def is_at_rest(ball):
 def in_stride(ball, player):
     """Let a runner play a ball at rest aside or slightly back within the stride; return whether it is played.
 
-    If the held direction leads straight back, the player turns first. The touch turns the player whatever the run was:
-    half a step later the player moves at 1.5 to 2 m/s in the held direction.
+    If the held direction leads straight back, the player turns first. The touch turns the player independent of the
+    run: half a step later the player moves at 1.5 to 2 m/s in the held direction.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
@@ -211,7 +209,7 @@ def comes_hard(ball, player):
 
 @kernel
 def still_to_come(ball, player):
-    """Return the s until a player plays a ball that comes hard; 0 if it does not."""
+    """Return the time in s until a player plays a ball that comes hard; 0 for a slower ball."""
     if not comes_hard(ball, player):
         return 0.0
     closing_x, closing_y = player.vx - ball.vx, player.vy - ball.vy
@@ -222,7 +220,7 @@ def still_to_come(ball, player):
 
 @kernel
 def idles(player):
-    """Return whether a player is an agent's and has no direction held."""
+    """Return whether a player is moved by an agent that holds no direction."""
     return player.direction == 0 and player.action != BUILTIN_AI
 
 
@@ -248,8 +246,8 @@ def is_about_to_play(ball, player):
 def bring_down(ball, player):
     """Play a ball that comes hard a little ahead of the run, which hardly changes until the next touch.
 
-    The player keeps the run in the held direction and gains some, loses most of the lateral run, and is limited to a
-    run.
+    The player keeps the run in the held direction and gains some speed, loses most of the lateral run, and is limited
+    to running speed.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
@@ -272,9 +270,9 @@ def bring_down(ball, player):
 
 @kernel
 def turn_back(ball, player, along, aside_x, aside_y):
-    """Play the ball back in the held direction, against the run, of which the player keeps a part.
+    """Play the ball back in the held direction, against the run; the player keeps a part of the run.
 
-    The run was `along` m/s in the held direction, which is negative, and aside.
+    The run has the component `along` in m/s in the held direction, which is negative, and (aside_x, aside_y) across it.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     ball.vx = BRING_DOWN.back_ball * ux + BRING_DOWN.back_follows * aside_x
@@ -294,7 +292,7 @@ def stop_with_it(ball, player):
 
 @kernel
 def drop(ball, player, far_off):
-    """Return the velocity of a stopped ball, which drops at the player's feet or bounces off by `jump`, 0 to 1."""
+    """Return the velocity of a stopped ball, which drops at the player's feet or bounces off by `far_off`, 0 to 1."""
     to_x = player.x + (DROP.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (DROP.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9

@@ -23,58 +23,58 @@ from regista.kernels.rng import normal, uniform
 class Hold(NamedTuple):
     """Balls in a keeper's hands."""
 
-    top_speed: float = 40.0  # m/s, at which the ease of catching falls to 0
-    age: float = 0.95  # s after a kick, from when on the ease is full,
-    dribbled: float = 1.2  # s after a carrier's touch, from when on it is full,
-    surprise: float = 0.6  # exponent of the share of that time that is left: growth is slow at first
-    from_ease: float = 0.3  # product of both from which a ball may be caught: measured with shots,
-    fits: float = 0.5  # with this probability then, since the catch also needs a suitable movement,
-    surely: float = 0.65  # and always from here on
-    height: float = 1.2  # m, of a ball that is held
-    throw_height: float = 1.9  # m, of one that is about to be thrown
-    spread: float = 6.0  # steps by which the holding time varies
+    top_speed: float = 40.0  # m/s, at which the ease of catching is 0
+    age: float = 0.95  # s after a kick, at which the ease is full
+    dribbled: float = 1.2  # s after a carrier's touch, at which the ease is full
+    surprise: float = 0.6  # exponent of the share of that time that is left: the ease grows slowly at first
+    from_ease: float = 0.3  # product of both factors from which on a ball may be caught, measured with shots
+    fits: float = 0.5  # probability of a catch at this product, since the catch also needs a suitable movement
+    surely: float = 0.65  # product from which on the ball is always caught
+    height: float = 1.2  # m, height of a held ball
+    throw_height: float = 1.9  # m, height of a ball that is about to be thrown
+    spread: float = 6.0  # steps, range of the holding time
 
 
 class Parry(NamedTuple):
-    """A ball that hands reach but do not catch, as documented: it goes in the keeper's direction, and out.
+    """A ball that hands reach but do not catch, as documented: it goes in the keeper's direction and away from goal.
 
     Of 662 measured parries the speeds are within 1.2 m/s of this, with the keeper's velocity before contact (medians).
     """
 
-    ball: float = 0.3  # share of its speed that the ball keeps,
-    run: float = 2.5  # and of the keeper's that it gets
-    back: float = 0.1  # of its velocity, reversed, in its direction,
-    along: float = 2.0  # of the keeper's,
-    out: float = 4.0  # m/s away from the own goal,
-    aside: float = 1.0  # and to either side at most
+    ball: float = 0.3  # share of its speed that the ball keeps
+    run: float = 2.5  # factor of the keeper's velocity in the ball's,
+    back: float = 0.1  # weight of the ball's velocity, reversed, in the direction
+    along: float = 2.0  # weight of the keeper's velocity in the direction
+    out: float = 4.0  # m/s away from the own goal in the direction,
+    aside: float = 1.0  # and to either side, at most
     lift: float = 1.2  # m/s
     wait: float = 0.5  # s until the keeper can touch the ball again
 
 
 class Block(NamedTuple):
-    """A shot that hits a body before any reaction: it flies off by the point of contact, or by the body's motion.
+    """A shot that hits a body before any reaction: it bounces off by the point of contact, or by the body's motion.
 
     As documented, except the point of contact: fitted to 94 measured shots from close by at a retreating keeper.
     """
 
-    ahead: float = 0.5  # m from the kicker to its first position
-    fades: float = 0.2  # s after the kick, in which the point of contact gives way to the body's own velocity,
-    least: float = 0.2  # share of it that is left;
+    ahead: float = 0.5  # m from the kicker to the ball's first position
+    fades: float = 0.2  # s after the kick, in which the point of contact gives way to the body's own velocity
+    least: float = 0.2  # share of the point of contact that is left
     parts: float = 0.5  # weight of the point of contact: several parts of a body are hit, from several sides
-    wide: float = 0.55  # rad either way off the direction straight back
-    rise: float = 0.25  # tangent of the angle upwards,
-    rise_spread: float = 0.35  # and how much that varies
-    flat: float = 0.6  # share of the upward way that is left
-    off: float = 6.0  # m/s in that direction,
+    wide: float = 0.55  # rad, standard deviation from the direction straight back
+    rise: float = 0.25  # mean tangent of the angle upwards
+    rise_spread: float = 0.35  # standard deviation of this tangent
+    flat: float = 0.6  # share of the upward component that is left
+    off: float = 6.0  # m/s in the direction of the bounce,
     bounce: float = 0.6  # and this share of the ball's speed,
-    back: float = 0.2  # less this share of its own velocity
-    met_least: float = 0.8  # share of the ball that is hit, at least: the rest continues
-    keep: float = 0.7  # factor of all this
+    back: float = 0.2  # less this share of the ball's own velocity
+    met_least: float = 0.8  # minimum share of the ball that is hit; the rest of its velocity continues
+    keep: float = 0.7  # factor of the result
 
 
 # Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, family keeper.
 HOLD, PARRY, BLOCK = Hold(), Parry(), Block()
-HOLD_STEPS = 3  # steps for which a keeper holds the ball at least
+HOLD_STEPS = 3  # minimum number of steps for which a keeper holds the ball
 
 
 @kernel
@@ -89,14 +89,14 @@ def has_hands(match, i):
 
 @kernel
 def ease_of_holding(speed, age, window):
-    """Return how easily a ball is caught, 0 to 1, at this relative speed in m/s, played `age` s ago."""
+    """Return the ease of catching a ball, 0 to 1, at this relative speed in m/s, played `age` s ago."""
     fresh = max(1.0 - age / window, 0.0) ** HOLD.surprise
     return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh)
 
 
 @kernel
 def is_caught(match, speed):
-    """Draw whether a kicked ball is caught: not a fast one, nor one just kicked."""
+    """Draw whether a kicked ball is caught; fast balls and balls just kicked are not."""
     ease = ease_of_holding(speed, match.kick_age, HOLD.age)
     if ease < HOLD.from_ease:
         return False
@@ -112,7 +112,7 @@ def is_caught_off_feet(speed, age):
 
 @kernel
 def hold(match, i):
-    """Put the ball into keeper i's hands, who faces away from the own goal so as not to carry it in."""
+    """Put the ball into the hands of keeper i, who faces away from the own goal so as not to carry the ball in."""
     take(match, i)
     if match.carrier != i:
         return
@@ -153,7 +153,7 @@ def parry(match, i):
 
 @kernel
 def knock_out(match, player, run_x, run_y):
-    """Knock the ball away off the hands of a keeper with this velocity in m/s: harder if faster."""
+    """Knock the ball off the hands of a keeper with velocity (run_x, run_y) in m/s, harder if the keeper is faster."""
     ball = match.ball
     out = -math.copysign(PARRY.out, own_goal_x(player.team))
     aside = out / PARRY.out * PARRY.aside * (2.0 * uniform(match) - 1.0)  # rotated with the pitch

@@ -1,4 +1,4 @@
-"""Kicks: when the leg swings, how long it takes, and what happens when the ball leaves the foot.
+"""Kicks: when the leg swings, how long the swing takes, and how the ball leaves the foot.
 
 Fitted to delays measured in Google Research Football, whose animations quantize them. Read next: `skills.shots`,
 `skills.passes`.
@@ -31,7 +31,7 @@ from regista.kernels.rng import uniform
 
 
 class Gauge(NamedTuple):
-    """How full the gauge is, 0 to 1, by how long the button was held."""
+    """How full the gauge is, 0 to 1, depending on how long the button was held."""
 
     step: float = 0.1  # s
     least: float = 0.06  # s
@@ -40,57 +40,57 @@ class Gauge(NamedTuple):
 
 
 class Swing(NamedTuple):
-    """Seconds from the command to the contact, and what delays it."""
+    """The time in s from the command to the contact, and its delays."""
 
-    standing: float = 0.26  # s, from the stand
-    starting: float = 0.25  # s, when starting to run
-    running: float = 0.235  # s, on the run
-    across: float = 0.16  # s more when the kick goes across the run, in full from this angle in rad:
+    standing: float = 0.26  # s, of a standing player
+    starting: float = 0.25  # s, of a player who starts to run
+    running: float = 0.235  # s, of a runner
+    across: float = 0.16  # s more for a kick across the run, in full at these angles in rad:
     across_standing: float = 0.5 * math.pi
     across_starting: float = 0.3 * math.pi
     across_running: float = 0.52 * math.pi
-    round_from: float = 0.5 * math.pi  # rad, turning round, partly
-    round_by: float = 0.62 * math.pi  # and fully
-    round: float = 0.3  # s more then
-    round_running: float = 0.05  # s more, on the run
-    ground_pass: float = 0.1  # s more: a leg swings wider for a ground pass ..
-    high_near: float = 8.0  # m
-    high_near_later: float = 0.1  # s more .. or for a chip shorter than that
-    pass_across: float = 0.25  # share of a shot's delay across the run that a pass has
-    pass_round: float = 0.2  # s more if it goes backwards:
-    pass_behind: float = 0.76 * math.pi  # rad
+    round_from: float = 0.5 * math.pi  # rad, from which on the player must turn round,
+    round_by: float = 0.62 * math.pi  # rad, and at which in full
+    round: float = 0.3  # s more for turning round
+    round_running: float = 0.05  # s more for turning round on the run
+    ground_pass: float = 0.1  # s more for a ground pass, since the leg swings wider
+    high_near: float = 8.0  # m; a high pass shorter than this is a chip
+    high_near_later: float = 0.1  # s more for a chip
+    pass_across: float = 0.25  # share of the delay across the run that applies to passes
+    pass_round: float = 0.2  # s more for a pass backwards
+    pass_behind: float = 0.76 * math.pi  # rad, from which on a pass goes backwards
     running_from: float = 3.3  # m/s
     sprinting_from: float = 5.6  # m/s
     sprint: float = 0.12  # s more, to catch up with the ball
-    sprint_spread: float = 0.2  # s either way, at a sprint
-    spread: float = 0.04  # s either way, the phase of the stride
-    meant: float = 0.28  # s before the contact, from when on a pass has its receiver and a new direction only turns it
-    from_run_up: float = 0.06  # s left after a request on the way to the ball: the swing begins on arrival
-    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is canceled
+    sprint_spread: float = 0.2  # s either way, for a sprinter
+    spread: float = 0.04  # s either way, for the phase of the stride
+    meant: float = 0.28  # s before the contact; later, the receiver is fixed, and a new direction only turns the pass
+    from_run_up: float = 0.06  # s, minimum swing after a request on the way to the ball: it begins on arrival
+    patience: float = -0.6  # s, `kick_wait` at which a kick that did not meet the ball is canceled
 
 
 class Behind(NamedTuple):
-    """Kicks behind the body: the player turns on the spot and kicks from short of the kick's direction."""
+    """Kicks behind the body: the player turns on the spot to just short of the kick's direction."""
 
     angle: float = 0.74 * math.pi  # rad from run to kick
-    short_of: float = 0.35  # rad
-    speed: float = 0.8  # m/s left
+    short_of: float = 0.35  # rad by which the turn stops short of the kick's direction
+    speed: float = 0.8  # m/s left of the run
 
 
 # Fitted to delays measured in Google Research Football, whose animations quantize them: `lab.benchmarks --suite
 # grf`, families passes and shots.
 GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
-FAR = 1e4  # m, beyond which a target only sets a direction
+FAR = 1e4  # m, beyond which a target only defines a direction
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
-STANDS = 1.0  # m/s, below which a player kicks along the facing
-AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, within this angle of the first target;
-AIM_TOWARD = 2.0 * AIM_AGAIN  # rad: up to this angle it is turned by `AIM_AGAIN`, beyond it the pass keeps its target
+STANDS = 1.0  # m/s, below which a player kicks along the facing direction
+AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, up to this angle from the first target
+AIM_TOWARD = 2.0 * AIM_AGAIN  # rad: up to this angle it is turned by `AIM_AGAIN`; beyond, it keeps its first target
 
 
 @kernel
 def swing_legs(match):
-    """Start the swing of the player who is to kick and has the ball."""
+    """Start the swing of the carrier if a kick is due."""
     i = match.carrier
     if match.kicker != NOBODY:
         if match.kicker == i:
@@ -101,7 +101,7 @@ def swing_legs(match):
     player = match.players[i]
     if not player.kick_ready or player.kick == 0 or apart(match.ball, player) > KICK_REACH:
         return
-    if player.brings_down and player.stance_wait > 0.0:  # stops the ball first
+    if player.brings_down and player.stance_wait > 0.0:  # the player stops the ball first
         return
     if not player.is_aimed:
         aim(match, i)
@@ -116,9 +116,9 @@ def swing_legs(match):
 
 @kernel
 def mean_pass(match, i):
-    """Let the held direction choose the receiver of player i's pass during the swing, until it is too late for that.
+    """Let the held direction choose the receiver of player i's pass during the swing, until `SWING.meant` s are left.
 
-    Then the pass keeps its direction, wherever the run takes the foot.
+    After that, the pass keeps its direction, independent of the foot's further movement.
     """
     player = match.players[i]
     if player.kick == SHOT or player.is_aimed:
@@ -131,14 +131,14 @@ def mean_pass(match, i):
 
 @kernel
 def keep_direction(player):
-    """Let a shot keep its direction, wherever the run takes the foot: only passes are aimed again."""
+    """Let a shot keep its direction, independent of the foot's further movement; only passes are aimed again."""
     ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
     player.aim_x, player.aim_y = player.x + FAR * ux, player.y + FAR * uy
 
 
 @kernel
 def heading(player):
-    """Return the direction, as a unit vector, of the run, else of the desired run, else of the facing; speed in m/s."""
+    """Return the direction (the run, else the desired run, else the facing) as a unit vector, and the speed in m/s."""
     speed = length(player.vx, player.vy)
     if speed > STANDS:
         return player.vx / speed, player.vy / speed, speed
@@ -201,7 +201,7 @@ def swing_frame(match):
 
 @kernel
 def gauge(held):
-    """Return how full the gauge is, 0 to 1, after so many steps of holding the button."""
+    """Return how full the gauge is, 0 to 1, after holding the button for `held` steps."""
     return min(max((GAUGE.step * held - GAUGE.least) / GAUGE.range, 0.0), 1.0)
 
 
@@ -228,7 +228,7 @@ def aim(match, i):
 def aim_again(match, i):
     """Correct a pass for movements since the swing began, and for the direction held now.
 
-    It turns as far as a swinging foot can; if the direction would change too much, the pass keeps its target.
+    The pass turns as far as a swinging foot can. If the direction would change too much, the pass keeps its target.
     """
     player, ball = match.players[i], match.ball
     x, y, mate = player.aim_x - ball.x, player.aim_y - ball.y, player.kick_mate
@@ -254,7 +254,7 @@ def leave_foot(match, i, clean):
         aim_again(match, i)
     dx, dy = player.aim_x - ball.x, player.aim_y - ball.y
     distance = length(dx, dy)
-    if distance < 0.1:  # to the own feet: straight ahead
+    if distance < 0.1:  # to the own feet: play it straight ahead
         dx, dy, distance = 0.1 * player.facing_x, 0.1 * player.facing_y, 0.1
     ux, uy = dx / distance, dy / distance
     turn_body(match, player, ux, uy)
@@ -293,7 +293,7 @@ def turn_body(match, player, ux, uy):
     off = angle_between(hx, hy, ux, uy)
     if abs(off) < BEHIND.angle:
         return
-    if math.pi - abs(off) < 0.02:  # straight behind: either way round
+    if math.pi - abs(off) < 0.02:  # straight behind, where both ways round are equal
         off = math.pi if uniform(match) < 0.5 else -math.pi
     cosine, sine = math.cos(BEHIND.short_of), math.copysign(math.sin(BEHIND.short_of), -off)
     player.facing_x, player.facing_y = ux * cosine - uy * sine, ux * sine + uy * cosine

@@ -1,4 +1,4 @@
-"""Passes: their receiver, where the receiver will be, and how hard and high the ball is played.
+"""Passes: their receiver, the receiver's later position, and the speed and height of the ball.
 
 The rules and numbers are documented by Google Research Football. Read next: `skills.kicks`, where legs swing.
 """
@@ -17,54 +17,54 @@ from regista.kernels.rng import uniform
 
 
 class Choice(NamedTuple):
-    """The receiver of a pass, and where the receiver will be."""
+    """Parameters for the receiver of a pass, and the receiver's later position."""
 
-    farthest: float = 60.0  # m ahead of the passer, the point by which receivers are rated, times the gauge
+    farthest: float = 60.0  # m ahead of the passer, times the gauge: the point by which receivers are rated
     nearest: float = 1.0  # m, at least
-    power_short: float = 0.7  # of the gauge
+    power_short: float = 0.7  # exponent of the gauge for a short pass
     power_long: float = 0.65
     power_high: float = 0.55
     scale: float = 70.0  # m
     weight: float = 0.8
     power: float = 0.8
-    lead_longest: float = 0.7  # s by which a receiver's run is extrapolated at most
+    lead_longest: float = 0.7  # maximum s by which a receiver's run is extrapolated
     lead_power: float = 0.7
     lead_first: float = 0.3
     lead_per_metre: float = 0.05
-    long_lead: float = 0.2  # of the distance, towards the goal line that the passer attacks
-    unaimed: float = 39.4  # m, a pass without a receiver
+    long_lead: float = 0.2  # share of the distance, towards the goal line that the passer attacks
+    unaimed: float = 39.4  # m, length of a pass without a receiver
 
 
 class Flight(NamedTuple):
     """How hard, high and precise a pass is."""
 
     speed: float = 36.0  # m/s
-    base: float = 0.3  # share of it at distance 0
-    ground_gain: float = 1.8  # shares more at the distance of full gain
+    base: float = 0.3  # share of the speed at distance 0
+    ground_gain: float = 1.8  # shares of the speed added at the distance of full gain
     high_gain: float = 1.15
     gain_power: float = 1.4
     gain_distance: float = 60.0  # m
     ground_cap: float = 26.0  # m/s
     high_cap: float = 38.0  # m/s
     excess_lift: float = 0.25  # share of the speed above the cap that becomes m/s upwards
-    excess_most: float = 10.0  # m/s
-    ball_helps: float = 0.5  # of the speed of a ball played first-time adds to the cap
+    excess_most: float = 10.0  # m/s above the cap that count, at most
+    ball_helps: float = 0.5  # share of the speed of a ball played first-time that is added to the cap
     ground_lift: float = 0.11  # tangent of the elevation
-    high_lift: float = 0.45  # the same of a high pass, near
-    high_lift_less: float = 0.15  # less for long ones
-    ground_spin: float = 5.2  # m/s, at this speed and more:
+    high_lift: float = 0.45  # tangent of the elevation of a high pass, near
+    high_lift_less: float = 0.15  # less this for long passes
+    ground_spin: float = 5.2  # m/s, in full at `full_spin`
     high_spin: float = -1.5  # m/s
     full_spin: float = 15.0  # m/s
-    curl: float = 0.9 * -340.0  # rad/s per rad by which the fastest starts off towards the body: it curls back,
+    curl: float = 0.9 * -340.0  # rad/s per rad by which the fastest starts off towards the body; it curls back
     high_bend: float = 0.2  # factor of that for a high pass
-    mirrored: float = 0.5  # share of passes whose lateral spin is reversed: those rise
-    scatter: float = 0.02  # rad either way
+    mirrored: float = 0.5  # share of passes whose lateral spin is reversed, which therefore rise
+    scatter: float = 0.02  # rad to either side
     hard_scatter: float = 0.15  # quarter turns more for a ball that is hard to play
     hard_keep: float = 0.3
     hard_most: float = 0.5
-    hard_weak: float = 0.3  # share of its speed that a pass of such a ball loses
-    headed_from: float = 1.1  # m
-    headed_share: float = 0.6  # limit of a header, as a share of the fastest pass
+    hard_weak: float = 0.3  # share of its speed that such a pass loses
+    headed_from: float = 1.1  # m, height from which on a ball is headed
+    headed_share: float = 0.6  # maximum speed of a header, as a share of the fastest pass
 
 
 # The law is documented by Google Research Football, caps and scatter are fitted: `lab.benchmarks --suite grf`,
@@ -74,7 +74,7 @@ CHOICE, FLIGHT = Choice(), Flight()
 
 @kernel
 def aim_pass(match, i, ux, uy, gauge):
-    """Aim along (ux, uy) at the receiver with GRF's best rating; without one, straight ahead."""
+    """Aim along (ux, uy) at the receiver that GRF rates best; without a receiver, straight ahead."""
     player = match.players[i]
     mate = choose_mate(match, i, ux, uy, gauge)
     player.kick_mate = mate
@@ -90,7 +90,7 @@ def aim_pass(match, i, ux, uy, gauge):
 
 @kernel
 def place_of(ball, mate):
-    """Return where a teammate will be to receive a pass of this ball."""
+    """Return the position at which a teammate will receive a pass of this ball."""
     time = CHOICE.lead_first + CHOICE.lead_per_metre * length(mate.x - ball.x, mate.y - ball.y)
     time = CHOICE.lead_longest * min(time, 1.0) ** CHOICE.lead_power
     return mate.x + time * mate.vx, mate.y + time * mate.vy
@@ -98,7 +98,7 @@ def place_of(ball, mate):
 
 @kernel
 def choose_mate(match, i, ux, uy, gauge):
-    """Return the receiver of a pass along (ux, uy): near a point ahead and not far off the direction; -1 without one.
+    """Return the receiver of a pass along (ux, uy), near a point ahead and not far off the direction; -1 if none.
 
     `gauge` in [0, 1], from how long the button was held, puts the point further ahead.
     """
@@ -122,7 +122,7 @@ def choose_mate(match, i, ux, uy, gauge):
 
 @kernel
 def look_ahead(kick, gauge):
-    """Return the distance in m ahead of the passer of the point by which receivers are rated."""
+    """Return the distance in m from the passer to the point ahead by which receivers are rated."""
     power = CHOICE.power_high if kick == HIGH_PASS else (CHOICE.power_long if kick == LONG_PASS else CHOICE.power_short)
     return max(CHOICE.farthest * gauge**power, CHOICE.nearest)
 
@@ -131,7 +131,7 @@ def look_ahead(kick, gauge):
 def play_pass(match, player, ux, uy, distance):
     """Give the ball the velocity of a pass along (ux, uy) over this distance.
 
-    GRF plays every other episode mirrored, except the spin: there, lateral passes rise.
+    GRF mirrors every other episode, except the spin, so lateral passes rise in these episodes.
     """
     ball = match.ball
     far = min(distance / FLIGHT.gain_distance, 1.0) ** FLIGHT.gain_power

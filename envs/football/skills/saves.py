@@ -27,41 +27,45 @@ from regista.kernels.rng import uniform
 
 
 class SaveOdds(NamedTuple):
-    """Whether the keeper saves a shot: it hits the body before any reaction, or the keeper gets to it in time.
+    """Whether the keeper saves a shot: it hits the body before any reaction, or the keeper reaches it in time.
 
-    P(body) = body * (1 - (gap / body_gap)²) until `sudden` s after the kick; logit P(hands) = hands * (t - halfway)
-    - effort * m/s, with t the s until the shot passes the keeper, gap the m between them then, and m/s the cost of
-      meeting it. On the line a keeper cannot go back to meet it: dives take longer there, and the effort does not
-      count. Fitted to 4587 measured shots on target from 3 to 30 m, at keepers who stand and who come out.
+    P(body) = body * (1 - (gap / body_gap)²), if t < sudden
+
+    logit P(hands) = hands * (t - halfway) - effort * cost
+
+    Here t is the time in s until the shot passes the keeper, and gap is the distance in m between them at that time.
+    cost is the speed in m/s that the keeper needs to meet the shot. On the line a keeper cannot go back to meet it:
+    dives take longer there, and the effort does not count. Fitted to 4587 measured shots on target from 3 to 30 m, at
+    keepers who stand and who come out.
     """
 
     body: float = 0.92  # share of shots straight at the body that hit it
-    body_gap: float = 1.06  # m aside, where no shot hits it
-    sudden: float = 0.22  # s to the keeper, after which the keeper has moved
+    body_gap: float = 1.06  # m aside, beyond which no shot hits the body
+    sudden: float = 0.22  # s until the shot reaches the keeper; later, the keeper has moved
     hands: float = 10.0  # logit per s
-    halfway: float = 0.355  # s,
-    line_halfway: float = 0.127  # and s more on the line for a dive:
-    dive_from: float = 0.4  # m aside,
-    dive_range: float = 1.06  # and m more for the full dive
-    effort: float = 0.37  # logit per m/s, for a keeper who has come out
-    on_line: float = 1.5  # m in front of the line, at most
-    off_line: float = 2.0  # m more, from where on the keeper has come out
-    foot_gap: float = 2.0  # m, at which the chance falls to 0 outside the box, where only feet may be used
+    halfway: float = 0.355  # s until the shot passes, at which the chance is one half,
+    line_halfway: float = 0.127  # and s more for a dive on the line
+    dive_from: float = 0.4  # m aside, from which on the keeper dives,
+    dive_range: float = 1.06  # m more, for the full dive
+    effort: float = 0.37  # logit per m/s, for a keeper off the line
+    on_line: float = 1.5  # m in front of the line; up to here the keeper is on the line
+    off_line: float = 2.0  # m more, at which the keeper is off the line
+    foot_gap: float = 2.0  # m, at which the chance is 0 outside the box, where only feet may be used
     measured_skill: float = 0.72  # `skill` of the measured keeper
-    skill: float = 5.0  # logit per unit of skill below that
+    skill: float = 5.0  # logit per unit of skill below that skill
 
 
 class Dive(NamedTuple):
-    """How a keeper gets to a shot; the same family."""
+    """How a keeper gets to a shot, checked by the same family."""
 
     arm: float = 1.2  # m
-    speed: float = 7.5  # m/s: a shot that needs more is never saved
+    speed: float = 7.5  # m/s; a shot that needs more is never saved
     delay: float = 0.08  # s
     stride: float = 0.1  # s for which the keeper's velocity is kept
-    before_line: float = 0.3  # m in front of the goal line, the last meeting point
+    before_line: float = 0.3  # m in front of the goal line, the last possible meeting point
     shot_speed: float = 9.0  # m/s; slower balls are not shots
-    goal_margin: float = 1.3  # half widths of the goal within which the keeper goes for the ball
-    over_bar: float = 0.3  # m above the bar, above which the keeper lets the ball go
+    goal_margin: float = 1.3  # half widths of the goal, within which the keeper goes for the ball
+    over_bar: float = 0.3  # m above the bar; the keeper ignores higher balls
 
 
 SAVE, DIVE = SaveOdds(), Dive()
@@ -80,14 +84,14 @@ def dive(match, player):
 
 @kernel
 def foresee_shot(match, team):
-    """Find out, after a kick by `team`, whether the other keeper must save it, where, and whether it is saved."""
+    """Determine after a kick by `team` whether the other keeper must save it, where, and whether the save succeeds."""
     match.was_kicked, match.kick_age = True, 0.0
     foresee(match, team)
 
 
 @kernel
 def foresee(match, team):
-    """Set the other keeper on a ball that flies at the goal off a player of `team`: draw whether it is saved."""
+    """Make the other keeper save a ball of `team` that flies at the goal; draw whether the save succeeds."""
     match.saver = NOBODY
     goal_x = -own_goal_x(team)
     if ball_speed(match.ball) < DIVE.shot_speed or match.ball.vx * goal_x <= 0.0:
@@ -110,8 +114,8 @@ def foresee(match, team):
 def follow_shot(match, player, goal_x):
     """Predict the ball's path to the goal line, and choose the meeting point with the least cost for a keeper.
 
-    Returns whether the ball goes into the goal, near it or just over it; the m/s that meeting it costs; the m by which
-    it passes the keeper, and the time in s until then.
+    Returns whether the ball goes into the goal, near it or just over it; the speed in m/s that the keeper needs to meet
+    it; the distance in m at which it passes the keeper, and the time in s until then.
     """
     ball = match.ball
     x, y, z, vx, vy, vz = ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz
@@ -141,7 +145,7 @@ def follow_shot(match, player, goal_x):
 
 @kernel
 def save_chance(player, effort, gap, time):
-    """Return the chance of saving a shot that passes `gap` m away in `time` s, and costs `effort` m/s to meet."""
+    """Return the chance of saving a shot that passes `gap` m away in `time` s and needs `effort` m/s to be met."""
     body = SAVE.body * max(1.0 - (gap / SAVE.body_gap) ** 2, 0.0) if time < SAVE.sudden else 0.0
     able = effort < DIVE.speed and player.down_wait <= 0.0
     hands = hands_chance(player, effort, gap, time) if able else 0.0
@@ -152,7 +156,7 @@ def save_chance(player, effort, gap, time):
 
 @kernel
 def hands_chance(player, effort, gap, time):
-    """Return the chance that the keeper gets to a shot that does not hit the body."""
+    """Return the chance that the keeper reaches a shot that does not hit the body."""
     out = min(max((HALF_LENGTH - abs(player.x) - SAVE.on_line) / SAVE.off_line, 0.0), 1.0)
     dives = min(max((gap - SAVE.dive_from) / SAVE.dive_range, 0.0), 1.0)
     late = time - SAVE.halfway - (1.0 - out) * SAVE.line_halfway * dives

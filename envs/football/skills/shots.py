@@ -1,9 +1,9 @@
 """Shots: where they are aimed, and the effects of body, speed and skill on the aim.
 
-A shot is a mixture of the intended one and of a bad one: dragged towards the run, scattered, higher and weaker. The
-run, its speed and the effort determine the bad one; its share is drawn, and skill reduces it. The law and its numbers
-are documented by Google Research Football, whose animations enter as one number, the share of power that a standing
-kick reaches. Read next: `skills.passes`.
+A shot is a mixture of the intended shot and of a bad shot, which is dragged towards the run, scattered, higher and
+weaker. The run, its speed and the effort determine the bad shot. Its share is random, and skill reduces it. The law and
+its numbers are documented by Google Research Football. Its animations are modeled by one number, the share of power
+that a standing kick reaches. Read next: `skills.passes`.
 """
 
 from __future__ import annotations
@@ -22,35 +22,35 @@ from regista.kernels.rng import uniform
 class Aim(NamedTuple):
     """Where on the goal line a shot is aimed."""
 
-    widest: float = 3.33  # m from the middle of the goal when the held direction is a quarter turn off it
+    widest: float = 3.33  # m from the middle of the goal, if the held direction is a quarter turn off it
     power: float = 0.7
-    lead: float = 0.12  # s of the player's run to the point of aim
-    astern: float = 0.02  # rad within which the held direction leads straight away from the goal
-    astern_share: float = 0.23  # of the widest aim then
+    lead: float = 0.12  # s by which the player's run is extrapolated to the point of aim
+    astern: float = 0.02  # rad within which the held direction counts as straight away from the goal
+    astern_share: float = 0.23  # share of the widest aim in this case
 
 
 class Power(NamedTuple):
     """The intended speed of a shot."""
 
     full: float = 45.0  # m/s
-    least: float = 0.7  # share of it without the gauge
-    gauge: float = 0.3  # what the gauge adds
+    least: float = 0.7  # share of the full speed with an empty gauge
+    gauge: float = 0.3  # share that a full gauge adds
     strongest: float = 32.0  # m/s, the maximum of any player
     strength: float = 13.0  # m/s that perfect shot power adds
-    stand_share: float = 0.78  # share of it when standing
-    run_share: float = 0.95  # and running,
+    stand_share: float = 0.78  # share of the speed for a standing player
+    run_share: float = 0.95  # share of the speed for a runner
     running_from: float = 3.0  # m/s
     step_in: float = 1.0  # m/s, the stride of a standing player into the ball
     swing_most: float = 5.2  # m/s to which the swing slows a sprinter
-    across_from: float = 0.785  # rad from run to shot, from where on power is lost
-    across_range: float = 0.534  # rad more, until all of it is:
+    across_from: float = 0.785  # rad between run and shot, from which on power is lost
+    across_range: float = 0.534  # rad more, at which this share of the power is lost:
     across_weak: float = 0.04
-    pushed: float = 0.6  # share of it that the hardest push costs
-    meeting_gain: float = 0.2  # more power from a ball that comes at 10 m/s
+    pushed: float = 0.6  # share of the power that the hardest push costs
+    meeting_gain: float = 0.2  # share of power gained from a ball that approaches at 10 m/s
 
 
 class Difficulty(NamedTuple):
-    """What makes a shot hard: each share of ease is lost in full in the worst case."""
+    """The difficulty of a shot: each share of ease is lost in full in the worst case."""
 
     easy_angle: float = 0.162 * math.pi  # rad between run and shot up to which the direction has no effect
     direction: float = 0.68
@@ -69,29 +69,29 @@ class Difficulty(NamedTuple):
 class BadShot(NamedTuple):
     """The result of the hardest shot."""
 
-    drag: float = 0.8  # towards the run
+    drag: float = 0.8  # share by which it is dragged towards the run
     scatter: float = 0.5
     height: float = 0.7
-    height_meant: float = 0.05  # of a good one
+    height_meant: float = 0.05  # height of a good shot
     weakness: float = 0.5
 
 
 class Curl(NamedTuple):
     """How a shot bends."""
 
-    bend: float = 0.5  # share of the angle between body and shot, by which the shot starts off towards the body
+    bend: float = 0.5  # share of the angle between body and shot by which the shot starts off towards the body
     twist: float = 0.18 * math.pi  # rad by which the body has turned with the leg to reduce the angle
     twist_volley: float = 0.36 * math.pi  # rad, the same for a first-time shot
-    slow: float = 0.4  # share of that for a slow shot
-    fast: float = 0.6  # more for the fastest:
+    slow: float = 0.4  # share of this for a slow shot
+    fast: float = 0.6  # share added for the fastest shot, at
     fastest: float = 70.0  # m/s
-    per_bend: float = -420.0  # rad/s per unit of bend: it curls back
+    per_bend: float = -420.0  # rad/s per unit of bend; the ball curls back
     spread: float = 14.0  # rad/s
     taken: float = 0.7
-    spin: float = -1.65  # m/s, back spin,
-    spin_kept: float = 0.3  # and share of the ball's spin: for a carrier, top spin
-    spin_spread: float = 0.3  # share of it that varies, always
-    spin_bad: float = 0.7  # and with a bad shot
+    spin: float = -1.65  # m/s of back spin
+    spin_kept: float = 0.3  # share of its spin that the ball keeps: top spin, for a carrier
+    spin_spread: float = 0.3  # share of the spin that always varies
+    spin_bad: float = 0.7  # share that varies with a bad shot
 
 
 # The law and its numbers are documented by Google Research Football; power and scatter are checked by
@@ -104,9 +104,9 @@ SHOT_STRENGTH = (0.65, 0.57, 0.56, 0.64, 0.53, 0.69, 0.56, 0.62, 0.68, 0.68, 0.6
 
 @kernel
 def aim_shot(match, player, ux, uy):
-    """Aim at the goal line: the further the held direction (ux, uy) is off its middle, the further off it.
+    """Aim at the goal line: the more the held direction (ux, uy) is off the middle of the goal, the wider the aim.
 
-    Straight away from the goal the direction prefers no side: then the aim is on the side of the turn.
+    A direction straight away from the goal prefers no side; the aim is then on the side of the turn.
     """
     goal_x = attacked_goal_x(player.team)
     dx = goal_x - player.x - AIM.lead * player.vx
@@ -134,7 +134,7 @@ def angle_between(ax, ay, bx, by):
 
 @kernel
 def strike(match, player, ux, uy, power):
-    """Give the ball the velocity and curl of a shot meant along (ux, uy), `power` in [0, 1] of the gauge."""
+    """Give the ball the velocity and curl of a shot intended along (ux, uy); `power` in [0, 1] is the gauge."""
     ball = match.ball
     rx, ry, speed = run_at_contact(player)
     meeting = min(length(speed * rx - ball.vx, speed * ry - ball.vy) / 10.0, 1.0)
@@ -158,7 +158,7 @@ def strike(match, player, ux, uy, power):
 
 @kernel
 def run_at_contact(player):
-    """Return direction and speed in m/s of the body when the foot meets the ball; a standing player steps forward."""
+    """Return the body's direction and speed in m/s when the foot meets the ball; a standing player steps forward."""
     speed = length(player.vx, player.vy)
     if speed < POWER.step_in:
         return player.facing_x, player.facing_y, POWER.step_in
@@ -167,7 +167,7 @@ def run_at_contact(player):
 
 @kernel
 def force_of(player, along, speed, power):
-    """Return the intended speed in m/s: by the gauge and the player's power, less across the run and from standing."""
+    """Return the intended speed in m/s from the gauge and the player's power, lower across the run or from standing."""
     share = (0.7 + 0.3 * along) * (0.7 + 0.3 * min(speed / 8.0, 1.0) ** 0.3)
     share *= 1.0 - POWER.pushed * player.pushed / PUSH.most
     force = share * POWER.full * (POWER.least + POWER.gauge * math.sqrt(power))
@@ -180,7 +180,7 @@ def force_of(player, along, speed, power):
 
 @kernel
 def ease(along, speed, meeting, force):
-    """Return how easy the shot is, 0 to 1: along the run, at a jog, with a still ball, without effort."""
+    """Return how easy the shot is, 0 to 1; easiest along the run, at a jog, with a still ball, without effort."""
     jog = 1.0 - min(abs(speed - HARD.easy_speed) / HARD.speed_range, 1.0)
     still = 1.0 - meeting * HARD.volley_skill
     calm = eased(1.0 - min(max((force - HARD.effort_from) / HARD.effort_range, 0.0), 1.0), 1.0)
@@ -209,14 +209,14 @@ def bad_direction(match, rx, ry, ux, uy, hard):
 
 @kernel
 def bend(ball, player, twist, share):
-    """Let a kick start off towards the body, turned by `twist` rad with the leg; return the angle of the fastest in
+    """Let a kick start off towards the body, turned by `twist` rad with the leg; return the fastest kick's angle in
     rad.
     """
     flat = length(ball.vx, ball.vy) + 1e-9
     turn = angle_between(ball.vx, ball.vy, player.facing_x, player.facing_y)
     turn = math.copysign(min(abs(turn), twist), turn)
     if abs(turn) > 0.5 * math.pi:
-        turn = math.copysign(math.pi - abs(turn), turn)  # of a kick behind the body
+        turn = math.copysign(math.pi - abs(turn), turn)  # for a kick behind the body
     amount = share * CURL.bend * turn / math.pi
     speed = math.sqrt(flat * flat + ball.vz * ball.vz)
     angle = amount * (CURL.slow + CURL.fast * min(speed / CURL.fastest, 1.0))

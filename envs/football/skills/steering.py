@@ -1,4 +1,4 @@
-"""Steering: the velocity that leads a player to a point, to a free ball or to a led one; and slides.
+"""Steering: the velocity that leads a player to a point, to a free ball or to a carrier's ball; and slides.
 
 Read next: `skills.tackles`, the effects of a slide; `control.actions` and `ai.decide`, which steer.
 """
@@ -18,14 +18,14 @@ from regista.kernels.jit import kernel
 class Await(NamedTuple):
     """How a player takes an approaching ball when clearly first at it."""
 
-    in_time: float = 1.1  # of the opponents' time by the player's, with `Pull.patience`, above which there is no hurry
+    in_time: float = 1.1  # ratio of the opponents' time to the player's, with `Pull.patience`, that leaves no hurry
     rolling: float = 1.0  # m/s; a slower ball does not approach
-    longest: float = 3.0  # s until it passes
-    choices: int = 2  # points are compared: the first reachable one, the nearest to the player, and between
-    pace: float = 0.4  # weight of how alike the way's velocity is to the desired one
-    way: float = 0.6  # and its direction
-    nearest: float = 0.1  # and of the nearest point of its path
-    urgency: float = 2.6  # 1/s, velocity by distance
+    longest: float = 3.0  # s until the ball passes, at most
+    choices: int = 2  # intervals between the points compared, from the first reachable to the nearest one
+    pace: float = 0.4  # weight of the similarity of the velocity to the desired one
+    way: float = 0.6  # weight of the similarity of the direction to the desired one
+    nearest: float = 0.1  # weight of the nearest point of the ball's path
+    urgency: float = 2.6  # 1/s, velocity per m of distance
     fastest: float = 8.0  # m/s
     stands: float = 1.8  # m/s, below which the player stands
 
@@ -34,7 +34,7 @@ class Await(NamedTuple):
 AWAIT = Await()
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is extrapolated
 ROUND, OVERTAKE = 1.0, 0.4  # m beside an obstructing body, and s ahead of it
-SLIDE_KEEPS = 0.9  # of the run's speed
+SLIDE_KEEPS = 0.9  # share of the run's speed
 
 
 @kernel
@@ -52,7 +52,7 @@ def slide(match, i):
 
 @kernel
 def chase(match, i, speed):
-    """Desire a velocity of this magnitude to where the ball can be met."""
+    """Desire a velocity of magnitude `speed` to the point where the player meets the ball."""
     player, ball, ahead = match.players[i], match.ball, look_ahead(match.ball)
     share = 0.0
     if ahead.speed > 0.5:
@@ -74,7 +74,7 @@ def run_to(player, x, y, speed):
 
 @kernel
 def go_for_ball(match, i, speed):
-    """Run to where the carried ball will be, round the carrier's body if that is in the way."""
+    """Run to the expected position of a carrier's ball, around the carrier's body if it is in the way."""
     player, ball = match.players[i], match.ball
     carrier = match.players[match.carrier]
     distance = apart(ball, player)
@@ -94,11 +94,12 @@ def go_for_ball(match, i, speed):
 
 @kernel
 def await_ball(ball, player, time, ux, uy):
-    """Meet a ball that can be reached in `time` s where that suits the desired velocity and direction (ux, uy) best.
+    """Meet a ball, reachable in `time` s, at the point that suits the desired velocity and direction (ux, uy) best.
 
     Return whether the ball approaches.
 
-    The point is between the first reachable one and the nearest of its path; the player goes there as fast as needed.
+    The point is between the first reachable one and the nearest one on its path; the player goes there as fast as
+    needed.
     """
     speed = ball_speed(ball)
     if speed < AWAIT.rolling:

@@ -1,6 +1,6 @@
 """Winning the ball from a carrier: standing tackles, slides, and the resulting fouls.
 
-Chances are fitted to tackles measured in Google Research Football, severities follow its rule. Read next:
+Chances are fitted to tackles measured in Google Research Football; severities follow its rule. Read next:
 `rules.fouls`.
 """
 
@@ -21,27 +21,27 @@ class Tackle(NamedTuple):
     """Standing tackles."""
 
     reach: float = 0.85  # m from the body to the ball
-    below: float = 0.9  # m, its height
-    idles: float = 0.5  # m/s; a player who is slower, and wants to be, does not try
-    meant_cosine: float = 0.85  # of the angle between the tackler's desired direction and the ball
-    shielding_cosine: float = 0.5  # of the angle at the carrier's body between the ways to the body and on to the ball
-    passing_most: float = 9.0  # m/s at which the ball passes, at most
-    contact: float = 0.85  # m between bodies, for a poke round the carrier's
-    at_feet: float = 0.6  # m to the ball from the carrier's body, for that
+    below: float = 0.9  # m, maximum height of the ball
+    idles: float = 0.5  # m/s; a slower player who desires no higher speed does not try
+    meant_cosine: float = 0.85  # minimum cosine between the tackler's desired direction and the way to the ball
+    shielding_cosine: float = 0.5  # cosine between the ways to the carrier and on to the ball: above it, a shield
+    passing_most: float = 9.0  # m/s at which the ball passes the tackler, at most
+    contact: float = 0.85  # m between bodies, for a poke round the carrier's body
+    at_feet: float = 0.6  # m from the carrier's body to the ball, for such a poke
     chance: float = 0.9
-    hurried: float = 0.02  # less of it per m/s of the carrier
-    built_in: float = 0.94  # of a built-in player,
-    built_in_hurried: float = 0.225  # less per m/s of the carrier,
-    built_in_far: float = 1.7  # more per m of the ball from the carrier's body,
+    hurried: float = 0.02  # chance lost per m/s of the carrier
+    built_in: float = 0.94  # chance of a built-in player,
+    built_in_hurried: float = 0.225  # less this per m/s of the carrier,
+    built_in_far: float = 1.7  # more by this per m from the carrier's body to the ball,
     built_in_most: float = 0.9  # but at most:
-    built_in_least: float = 0.6  # factor of that for the least skillful,
-    built_in_skill: float = 0.55  # and added for the most skillful, up to 1
-    beside: float = 0.35  # cosine of the angle from the carrier's front, from where on a built-in player tries
+    built_in_least: float = 0.6  # factor of this for the least skillful player,
+    built_in_skill: float = 0.55  # and added for the most skillful player, up to 1
+    beside: float = 0.35  # minimum cosine of the angle from the carrier's front, for a built-in player's try
     behind: float = 0.3  # factor of the chance from behind
-    behind_cosine: float = -0.3  # of the angle from the carrier's front: behind
+    behind_cosine: float = -0.3  # cosine of the angle from the carrier's front, below which a tackle is from behind
     skill_least: float = 0.9  # factor of the chance for the least skillful
     skill_most: float = 1.04  # and for the most skillful
-    clumsy: float = 4.5  # factor of the chance against a carrier without skill, times the square of the missing skill
+    clumsy: float = 4.5  # the chance is multiplied by 1 plus this times the square of the missing skill of the carrier
     swerve: float = 20.0  # m/s, see `within_reach`
     wait: float = 0.6  # s after a failure until the player can touch the ball again
     beaten_down: float = 0.3  # s on the ground
@@ -55,18 +55,18 @@ class Slide(NamedTuple):
 
     reach: float = 0.75  # m from the body to the ball
     legs: float = 0.8  # m from the body to the feet,
-    trip_reach: float = 0.6  # m from there to the carrier's body
-    legs_out: float = SLIDE.time - 0.05  # s left of a slide, after which it reaches no carrier
+    trip_reach: float = 0.6  # m from the feet to the carrier's body
+    legs_out: float = SLIDE.time - 0.05  # s left of a slide; before, the slide reaches no carrier
     rate: float = 10.0  # wins per s within reach
-    moving: float = 0.5  # m/s at which the ball passes, at least
-    shielded: float = 0.05  # share of that from behind, until the slide has passed the carrier's body
-    foul_side: float = 0.97  # probability of felling the carrier from the side,
-    foul_side_running: float = 0.87  # of a running one,
-    foul_behind: float = 0.95  # from behind of a running one: a standing carrier is not felled from there
+    moving: float = 0.5  # m/s at which the ball passes the player, at least
+    shielded: float = 0.05  # factor of the rate from behind, until the slide has passed the carrier's body
+    foul_side: float = 0.97  # probability of felling a standing carrier from the side
+    foul_side_running: float = 0.87  # probability of felling a running carrier from the side
+    foul_behind: float = 0.95  # probability of felling a running carrier from behind; a standing one: `foul_front`
     foul_front: float = 0.03
-    severity: float = 1.0  # of never meeting the ball
-    severity_standing: float = 0.5  # added from beside or behind
-    severity_running: float = 0.9  # added if the carrier runs
+    severity: float = 1.0  # severity of a slide that does not reach the ball
+    severity_standing: float = 0.5  # added against a standing carrier
+    severity_running: float = 0.9  # at most added against a running carrier
 
 
 # Fitted to tackles measured in Google Research Football: `lab.benchmarks --suite grf`, family tackles.
@@ -77,7 +77,7 @@ SIDE_COSINE = 0.7  # below this absolute cosine a tackle is from the side
 
 @kernel
 def in_tackle_reach(match, i, distance):
-    """Return whether player i, this far from the ball, tries for it, past the carrier's body if necessary.
+    """Return whether player i, at `distance` m from the ball, tries for it, if necessary past the carrier's body.
 
     An idle player beside a standing carrier does not.
     """
@@ -137,9 +137,9 @@ def tackle(match, i):
 
 @kernel
 def chance_of_built_in(match, player, carrier, speed):
-    """Return the chance of a built-in player, who lets the ball come, against a carrier at this speed in m/s.
+    """Return the chance of a built-in player, who waits for the ball, against a carrier at this speed in m/s.
 
-    It grows with the distance of the ball from the carrier.
+    The chance grows with the distance of the ball from the carrier.
     """
     chance = TACKLE.built_in - TACKLE.built_in_hurried * speed + TACKLE.built_in_far * apart(match.ball, carrier)
     return min(chance, TACKLE.built_in_most) * min(TACKLE.built_in_least + TACKLE.built_in_skill * player.skill, 1.0)
@@ -147,13 +147,13 @@ def chance_of_built_in(match, player, carrier, speed):
 
 @kernel
 def share_of_skill(player):
-    """Return the factor of the chance to win the ball for a player's skill; 1 for the measured one."""
+    """Return the factor of the chance to win the ball for a player's skill; 1 for the skill of the measured players."""
     return TACKLE.skill_least + (TACKLE.skill_most - TACKLE.skill_least) * player.skill
 
 
 @kernel
 def slide_into(match, i, distance):
-    """Let player i, sliding this far from the ball, win it or fell the carrier if either is in reach."""
+    """Let player i, sliding at `distance` m from the ball, win it or fell the carrier if either is in reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     if player.down_wait > SLIDING.legs_out:
         return
@@ -180,7 +180,7 @@ def slide_into(match, i, distance):
 
 @kernel
 def foul_chance(front, runs):
-    """Return the chance that a slide fells the carrier: high from the side, from behind if running, low in front."""
+    """Return the chance that a slide fells the carrier: high from the side or from behind if running, else low."""
     if abs(front) < SIDE_COSINE:
         return SLIDING.foul_side_running if runs else SLIDING.foul_side
     if front > 0.0:
@@ -197,7 +197,7 @@ def frontal(player, carrier):
 
 @kernel
 def win(match, i):
-    """Give player i the ball of the carrier, who cannot win it back at once."""
+    """Give the carrier's ball to player i; the carrier cannot win it back at once."""
     match.players[match.carrier].touch_wait = TACKLE.robbed_wait
     take(match, i)
     if match.carrier == i:

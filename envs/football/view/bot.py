@@ -1,6 +1,6 @@
 """A rule-based player: dribble to the goal, shoot in range, pass under pressure, win the ball back.
 
-It needs only a `raw` observation and the numbers of the actions, so it also plays Google Research Football unchanged:
+It needs only a `raw` observation and returns the number of an action, so it also plays Google Research Football:
 
     action = act(observation)               # our simulator:  FootballEnv(program, representation="raw")
     action = act(observations[0])           # GRF:            gfootball, representation="raw", one controlled player
@@ -19,7 +19,7 @@ SPRINT_INDEX = 8  # in `sticky_actions`, after the eight directions
 NORMAL, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = 0, 2, 3, 4, 5, 6
 KEEPER = 0  # role
 
-X, Y = 54.4, -83.6  # m per unit; y points down in observations, up in this module
+X, Y = 54.4, -83.6  # m per unit; y points down in observations, and up in this module
 GOAL = (55.0, 0.0)
 DIAGONAL = math.sqrt(0.5)
 DIRECTIONS = (  # of actions 1 to 8
@@ -34,12 +34,12 @@ DIRECTIONS = (  # of actions 1 to 8
 )
 
 SHOT_RANGE = 16.0  # m
-LONG_SHOT = 21.0  # m, when an opponent is about to take the ball
-PRESSED = 5.0  # m to an opponent who is not behind
-LOOK_AHEAD = 7.0  # m along which opponents count when dribbling
-LANE = 3.5  # m that opponents must be off the lane
+LONG_SHOT = 21.0  # m, if an opponent is about to take the ball
+PRESSED = 5.0  # m to an opponent who is not behind the player
+LOOK_AHEAD = 7.0  # m ahead; opponents within this distance count when dribbling
+LANE = 3.5  # m that opponents must be away from the lane of a pass
 PASS_LEAST, PASS_MOST = 5.0, 28.0  # m
-SIDE = 33.0  # m from the middle, beyond which the side line repels
+SIDE = 33.0  # m from the middle, beyond which the dribbler moves away from the side line
 LEAD = 0.5  # s by which an opponent's run or a ball is extrapolated
 Point = tuple[float, float]
 
@@ -55,7 +55,7 @@ def act(observation: Mapping[str, Any]) -> int:
 
 
 class Pitch:
-    """The content of an observation, in meters with +y up and per second."""
+    """The content of an observation, in meters and seconds, with +y up."""
 
     def __init__(self, observation: Mapping[str, Any]) -> None:
         me = int(observation["active"])
@@ -98,7 +98,7 @@ def attack(pitch: Pitch) -> int:
 
 
 def best_mate(pitch: Pitch) -> Point | None:
-    """Return a teammate with a free lane, preferably close to the goal; None if all are placed worse."""
+    """Return a teammate with a free lane, preferably close to the goal; None if no teammate is placed well enough."""
     best, best_worth = None, -8.0
     for mate in pitch.mates:
         distance = _distance(pitch.me, mate)
@@ -112,7 +112,7 @@ def best_mate(pitch: Pitch) -> Point | None:
 
 
 def dribble_direction(pitch: Pitch) -> int:
-    """Return the direction that gains most ground towards the goal past the opponents."""
+    """Return the direction that gains the most ground towards the goal past the opponents."""
     goal = _unit(pitch.me, GOAL)
     best, best_worth = 5, -math.inf
     for action, (dx, dy) in enumerate(DIRECTIONS, start=1):
@@ -132,13 +132,13 @@ def dribble_direction(pitch: Pitch) -> int:
 
 
 def _shot_direction(pitch: Pitch) -> int:
-    """Return the direction that points at the goal; from the side, its far half."""
+    """Return the direction that points at the goal; from the side, at its far half."""
     x, y = pitch.me
     return _towards((x, y), (GOAL[0], -math.copysign(min(abs(y), 2.0), y)))
 
 
 def _kick(pitch: Pitch, direction: int, kick: int) -> int:
-    """Hold the direction that aims the kick, then the kick every other step: the release kicks."""
+    """Hold the direction that aims the kick, then press the kick in every other step, since its release kicks."""
     return kick if pitch.sticky_actions[direction - 1] and pitch.even else direction
 
 

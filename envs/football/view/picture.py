@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 MODES = ("", "kick-off", "goal kick", "free kick", "corner", "throw-in", "penalty")
 FRAMES_PER_SECOND = round(1 / STEP)
-FAR = 32  # of a color from the nearest one of a palette, in steps of 255, beyond which it has none
-MOST_KEYS = 8  # pictures whose colors the palette of a film covers
+FAR = 32  # in steps of 255; a color further than this from the palette extends the palette
+MOST_KEYS = 8  # maximum number of pictures from which the palette of a film is made
 FASTEST = 50  # frames per second of .gif and .webp: viewers show faster ones slowly
 
 SHARPER = 2  # oversampling factor
@@ -50,8 +50,8 @@ STRIPE = 5.5  # m, width of the stripes of mown grass
 
 BODY = 1.3  # m, radius of a player, larger than life
 BALL = 0.55  # m, likewise
-RISE = 0.55  # m that the ball is drawn higher per meter of its height
-GROWTH = 0.12  # by which it is drawn larger per meter of height
+RISE = 0.55  # m up in the picture, per meter of the ball's height
+GROWTH = 0.12  # relative size increase, per meter of the ball's height
 GRASS: tuple[Color, Color] = ((46, 125, 66), (54, 137, 74))
 CHALK: Color = (232, 240, 232)
 DARK: Color = (18, 24, 20)
@@ -62,8 +62,8 @@ CARD: Color = (255, 214, 0)
 def draw_match(match: Any) -> np.ndarray:
     """Return the state of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
 
-    Keepers wear other colors, agents' players have a yellow ring, a nose shows a player's facing, and the ball's shadow
-    is below it. The bar shows score, time, and the pending restart.
+    Keepers wear other colors, agents' players have a yellow ring, a nose shows a player's facing, and the ball has a
+    shadow on the ground. The bar shows score, time, and the pending restart.
     """
     from PIL import Image
     from PIL.ImageDraw import Draw
@@ -82,7 +82,7 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
     """Write pictures uint8 `[height, width, 3]`, one per step, as a video at `speed` times real time.
 
     `.gif` and `.webp` need no other package; `.mp4` needs imageio-ffmpeg, `pip install regista[video]`. Raises
-    ValueError for another suffix or without a frame, ImportError if the package is missing.
+    ValueError for another suffix or without frames, ImportError if the package is missing.
     """
     path = Path(path)
     check_film(path)
@@ -91,7 +91,7 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
     first = next(rest, None)
     if first is None:
         raise ValueError(f"{path.name}: there is no frame to write")
-    partial = partial_of(path)  # an error in between leaves no file, or the one that was there
+    partial = partial_of(path)  # after an error there is no file, or still the previous one
     try:
         if path.suffix == ".mp4":
             _write_mp4(partial, first, rest, rate)
@@ -103,7 +103,7 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
 
 
 def check_film(path: Path) -> None:
-    """Raise the errors that `write_video` would raise for this file, before any picture is drawn."""
+    """Raise the errors of `write_video` for this file early, before any picture is drawn."""
     if path.suffix not in (".gif", ".webp", ".mp4"):
         raise ValueError(f"{path.name}: the name of a video must end in .gif, .webp or .mp4")
     if not path.absolute().parent.is_dir():
@@ -128,7 +128,7 @@ def _write_animation(path: Path, kind: str, first: np.ndarray, rest: Iterable[np
 
 
 def _timed(images: Iterable[Image], rate: float) -> Iterator[Image]:
-    """Give each image its duration; GIF counts hundredths of a second, which rounded alone would change the speed."""
+    """Give each image its duration: whole hundredths of a second in GIF, rounded so that the speed stays correct."""
     end = 0
     for number, image in enumerate(images, start=1):
         begin, end = end, round(100 * number / rate)
@@ -139,7 +139,7 @@ def _timed(images: Iterable[Image], rate: float) -> Iterator[Image]:
 class _Palette:
     """One palette for all frames, so that the pitch does not flicker, with room for rare colors such as the keepers'.
 
-    It changes where a frame has colors that no frame before it has.
+    The palette changes at a frame with colors that no earlier frame has.
     """
 
     def __init__(self, first: np.ndarray) -> None:
@@ -184,7 +184,7 @@ def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: 
 
 
 def _even(frame: np.ndarray) -> np.ndarray:
-    """Repeat the last row and column of a frame where their number is odd, which H.264 does not support."""
+    """Repeat the last row or column of a frame if their number is odd, which H.264 does not support."""
     height, width = frame.shape[:2]
     return np.ascontiguousarray(np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), "edge"))
 

@@ -47,7 +47,7 @@ MARKERS = (
 )
 LEFT_PLAYER, LEFT_KEEPER, RIGHT_PLAYER, RIGHT_KEEPER, BALL = range(5)
 
-# Markings that only pictures need
+# Markings for pictures only
 CIRCLE_RADIUS = 9.15  # m
 GOAL_AREA_DEPTH = 5.5  # m
 GOAL_AREA_HALF_WIDTH = 9.16  # m
@@ -65,7 +65,7 @@ class HasMatches(Protocol):
 
 
 class FootballPainter:
-    """Describes the appearance of one football program's levels. It is a `ued.recorder.layout.ScenePainter`.
+    """Describes how to draw the levels of one football program: a `ued.recorder.layout.ScenePainter`.
 
     Attributes:
         classes: `[K]` the class of each point, an index into `MARKERS`; the P players in the order of the match, then
@@ -106,7 +106,7 @@ class FootballPainter:
         return self.places(self._lineup.starts(theta, np.zeros(len(theta), np.uint64)))
 
     def places(self, matches: np.ndarray) -> np.ndarray:
-        """Return the positions in running matches MATCH `[N]`: `[N, K, 2]` m."""
+        """Return the positions in matches MATCH `[N]`: `[N, K, 2]` m."""
         players = matches["players"][:, : len(self.classes) - 1]
         people = np.stack([players["x"], players["y"]], -1)  # [N, P, 2]
         ball = np.stack([matches["ball"]["x"], matches["ball"]["y"]], -1)  # [N, 2]
@@ -156,7 +156,7 @@ def _arc(x: float, radius: float, start: float, end: float) -> np.ndarray:
 
 # ---------------------------------------------------------------- Matplotlib
 
-NOSE = 3.2  # m, length of a heading from the center of a player
+NOSE = 3.2  # m, length of the line from the center of a player that shows its heading
 PAPER_GRASS = "#f3f6f2"
 PAPER_CHALK = "#b9c6bb"
 PAPER_COLORS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light background
@@ -177,7 +177,7 @@ def draw_pitch(axes: Axes, bounds: tuple[float, float, float, float]) -> None:
 
 
 def draw_headings(axes: Axes, places: np.ndarray, facing: np.ndarray, classes: np.ndarray) -> None:
-    """Draw where players at `places` `[K, 2]` face, unit vectors `[P, 2]`; `classes` `[K]` index MARKERS."""
+    """Draw the unit vectors `facing` `[P, 2]` of players at `places` `[K, 2]`; `classes` `[K]` index MARKERS."""
     for place, ahead, kind in zip(places, facing, classes, strict=False):
         x, y = np.stack([place, place + NOSE * ahead], 1)
         axes.plot(x, y, color=PAPER_COLORS[kind], linewidth=1.6, zorder=2, solid_capstyle="round")
