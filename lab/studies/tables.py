@@ -25,6 +25,7 @@ import numpy as np
 from lab.studies import budgets, goals
 from lab.studies.cells import percent, runs_and_steps
 from lab.studies.curricula import COMPARISONS
+from lab.studies.measuring import TEAM
 from lab.studies.rows import RESULTS, TRAIN, Point, Row, check_present, load, played_on
 from regista.experiments.run import arguments, significance
 from regista.experiments.run import results as estimate
@@ -79,10 +80,11 @@ def publish_summary(results: Path, page: Path | None = None) -> None:
 
 
 def publish_teams(results: Path, name: str, page: Path | None = None) -> None:
-    """Print the table of teams of a benchmark study, or put it onto a page; see `publish`."""
+    """Print the table of teams of a benchmark study, or put it onto a page; nothing if it has no teams."""
     rows = stored(results, name)
-    text = f"{goals.of_teams(rows)}\n\n{about(rows, name, ' --teams')}"
-    show(text, page, f"study: {name}, teams", f"Teams, {name}")
+    if any(row.agent.startswith(TEAM) for row in rows):
+        text = f"{goals.of_teams(rows)}\n\n{about(rows, name, ' --teams')}"
+        show(text, page, f"study: {name}, teams", f"Teams, {name}")
 
 
 def publish(results: Path, name: str, page: Path | None = None) -> None:

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from lab.studies import goals
-from lab.studies.rows import Row
+from lab.studies import goals, tables
+from lab.studies.rows import Row, add
 from regista.minigames.published import find_published
 
 GAMES = ("defense/2vs2", "defense/2vs2_counterattack", "defense/2vs2_high_pass", "offense/11_vs_gk")
@@ -38,6 +38,15 @@ def test_teams_have_a_table_of_their_own_and_the_published_numbers_of_their_play
         ("2", "+0.12 ± 0.04", "+0.02"),
         ("3", "+0.11 ± 0.05", ""),
     ]
+
+
+def test_a_study_without_teams_leaves_their_page_alone(tmp_path):
+    add(tmp_path / "thesis.csv", [made(GAMES[3], 0.5)])
+    tables.publish_teams(tmp_path, "thesis", tmp_path / "teams.md")
+    assert not (tmp_path / "teams.md").exists()
+    add(tmp_path / "thesis.csv", [made(GAMES[3], 0.1, agent="team_ppo", control="2")])
+    tables.publish_teams(tmp_path, "thesis", tmp_path / "teams.md")
+    assert "| offense/11_vs_gk | 2 | team_ppo |" in (tmp_path / "teams.md").read_text()
 
 
 def test_agreement_with_published_numbers_is_told_over_games():
