@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from lab.studies.cells import percent
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.__main__ import main as regista
 from regista.experiments.commands.evaluate import EvaluateConfig, evaluator
@@ -23,7 +24,7 @@ from regista.experiments.run import config as configs
 from regista.experiments.run import shipped, versions
 from regista.experiments.run.errors import nearest
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.report import as_markdown, percent, write_text
+from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import Counted, Result, goal_rate
 from ued.core import checkpoint
 from ued.core.task import TRAINING_SCENE

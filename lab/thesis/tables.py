@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from lab.studies.cells import spell
+from lab.studies.cells import percent, spell
 from lab.studies.rows import TRAIN, Row, played_on
 from lab.studies.runs import ROOT
 from lab.studies.tables import NOTE
@@ -46,9 +46,8 @@ def strategies_table(rows: Sequence[Row]) -> str:
     table = [["strategy of the defender", "goal difference of the built-in AI", "episodes with a goal"]]
     for row in rows:
         mine = [row.result()]
-        rate = estimate.goal_rate(mine)
-        shares = f"{rate.estimate:.0%} [{rate.low:.0%}, {rate.high:.0%}]"
-        table.append([row.scene, spell(estimate.mean_return(mine), "{:+z.2f}"), shares])
+        goals = spell(estimate.mean_return(mine), "{:+z.2f}")
+        table.append([row.scene, goals, percent(estimate.goal_rate(mine))])
     about = f"{per_run(rows)}; 95% intervals over episodes: Student's t, Wilson's for shares."
     return f"{as_markdown(table)}\n\n{about[0].upper()}{about[1:]} {made(rows, 'strategies')}"
 
