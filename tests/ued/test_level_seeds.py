@@ -248,6 +248,6 @@ def test_a_feed_has_one_student():
 
 def test_seeds_are_levels_without_environments_too():
     space = ThetaSpace(ued.Seeds(5))
-    levels = space.sample_levels(40)
+    levels = space.sample_levels(400)
     assert set(levels["seed"].tolist()) == set(range(5))
     assert [row["seed"] for row in space.describe(levels["theta"])] == levels["seed"].tolist()

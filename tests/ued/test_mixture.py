@@ -45,6 +45,7 @@ def test_validity_is_that_of_the_program():
     env = mixture()
     theta = np.array([[-0.9, -0.5, 0.0], [0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [0.9, -0.5, 0.0]])
     assert env.valid(theta).tolist() == [True, False, True, True]
+    env.reset(seed=0)
     drawn = env.sample_levels(600)
     assert env.valid(drawn["theta"]).all()
     assert np.bincount(drawn["program"]) / 600 == pytest.approx([0.4, 0.2, 0.4], abs=0.06)
