@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lab.studies.cells import percent
 from regista.experiments.pictures import keys, plots
 from regista.experiments.run import significance
 from regista.experiments.run.folder import RunFolder
@@ -43,7 +44,7 @@ def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[lis
     rows = [["method", "turns known", "success", "IQM", f"minus {first}", f"P(better than {first})", "env steps"]]
     for name, mine in rates.items():
         known = f"{LONGEST * found[name].estimate:.1f} of {LONGEST}"
-        row = [name, known, percent(found[name].interval()), f"{iqm(mine):.0%}", "", ""]
+        row = [name, known, percent(within(found[name].interval())), f"{iqm(mine):.0%}", "", ""]
         if name in gains:
             chance = probability_of_improvement(mine, rates[first])
             row[4] = significance.points(gains[name], marks[name])
@@ -70,11 +71,9 @@ def note(rates: Mapping[str, np.ndarray]) -> str:
     return f"{NOTE} {counts[0]} runs of each method. {said}"
 
 
-def percent(interval: Interval) -> str:
-    """Return a share with its interval, in percent."""
-    ends = np.clip((interval.estimate, interval.low, interval.high), 0.0, 1.0)
-    middle, low, high = (f"{100 * value:.0f}" for value in ends)
-    return f"{middle}% [{low}, {high}]" if interval.known else f"{middle}%"
+def within(interval: Interval) -> Interval:
+    """Return the interval of a share, cut at 0 and 1."""
+    return Interval(*np.clip(interval, 0.0, 1.0).tolist())
 
 
 def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from lab.mazes import PARTS, ROWS
+from lab.studies.cells import percent
 from regista.experiments.pictures import keys, plots
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
@@ -24,7 +25,7 @@ from regista.experiments.run.results import LevelResult, Result, select, unique
 from regista.experiments.run.significance import difference_of_means, points
 from regista.experiments.run.table import read_rows
 from ued.core.task import TRAINING_SCENE
-from ued.statistics import Difference, Interval, bootstrap, detectable
+from ued.statistics import Difference, bootstrap, detectable
 
 PAGE, PICTURE = Path("docs/benchmarks/maze.md"), Path("docs/pictures/maze_curves.png")
 TITLES = {  # of rows that are not named after a method
@@ -276,11 +277,6 @@ def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
 def title(row: str) -> str:
     """Return the name of a row in tables and legends."""
     return TITLES.get(row) or plots.title(row)
-
-
-def percent(found: Interval) -> str:
-    """Return a rate with its interval."""
-    return f"{found.estimate:.0%}" + (f" [{100 * found.low:.0f}, {100 * found.high:.0f}]" if found.known else "")
 
 
 # ---------------------------------------------------------------- picture

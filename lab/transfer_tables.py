@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from lab.grf.experts import experts
+from lab.studies.cells import percent
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import significance
 from regista.experiments.run.progress import count
@@ -46,12 +47,6 @@ def simulator_version() -> str:
 
 
 # ---------------------------------------------------------------- cells
-
-
-def percent(interval: Interval) -> str:
-    """Return a rate with its interval, in percent."""
-    ends = f" [{100 * interval.low:.0f}, {100 * interval.high:.0f}]" if interval.known else ""
-    return f"{100 * interval.estimate:.0f}%{ends}"
 
 
 def number(interval: Interval | Difference, sign: str = "") -> str:
