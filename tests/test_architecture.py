@@ -166,6 +166,7 @@ def loaded(code):
     return done.stdout
 
 
+@pytest.mark.slow
 def test_importing_a_package_stays_light():
     code = f"""
 import importlib, sys
@@ -176,6 +177,7 @@ for name, heavy in {LIGHT!r}.items():
     assert loaded(code) == ""
 
 
+@pytest.mark.slow
 def test_help_waits_for_nothing_heavy():
     code = f"""
 import contextlib, io, sys
@@ -191,10 +193,12 @@ for command in {list(COMMANDS)!r}:
     assert loaded(code) == ""
 
 
+@pytest.mark.slow
 def test_no_import_runs_up():
     assert {arrow for package in FLOORS for arrow in upward(package)} == KNOWN_UPWARD
 
 
+@pytest.mark.slow
 def test_no_imports_run_in_a_ring():
     assert {module for package in FLOORS for module in ringed(package)} == KNOWN_RINGED
 
@@ -224,6 +228,7 @@ def test_files_are_short():
     assert long == KNOWN_LONG_FILES
 
 
+@pytest.mark.slow
 def test_functions_are_short():
     every = [path for package in OURS for path in sources(package)]
     assert {

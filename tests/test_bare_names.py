@@ -37,17 +37,20 @@ def test_a_module_has_one_copy_whichever_name_comes_first(first):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["envs.nothing", "envs.football.nothing"])
 def test_a_module_that_is_not_there_is_missing(name):
     done = python("-c", f"import {name}")
     assert done.stderr.endswith(f"ModuleNotFoundError: No module named '{name}'\n")
 
 
+@pytest.mark.slow
 def test_a_module_is_run_by_its_bare_name():
     told = [python("-m", name, "--help") for name in ("regista", "experiments")]
     assert told[0].stdout == told[1].stdout != ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["import regista.envs", "import regista.experiments.__main__"])
 def test_an_envs_of_yours_is_yours(tmp_path, first):
     (tmp_path / "envs").mkdir()

@@ -147,6 +147,7 @@ def test_every_page_has_its_facts():
     assert files - {"episode", "offside", "attacks"} == {NAMED[name].program.stem for name in FACTS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FACTS)
 def test_everybody_stands_and_acts_as_the_facts_have_it(name):
     program = program_of(name)
@@ -171,6 +172,7 @@ def test_everybody_stands_and_acts_as_the_facts_have_it(name):
             assert np.ptp(values) >= 0.6 * inside, (label, axis)  # the samples cover the region
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FACTS)
 def test_draws_are_accepted_as_often_as_in_the_original(name):
     program = program_of(name)

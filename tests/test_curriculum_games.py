@@ -134,6 +134,7 @@ def test_so_many_defend_as_are_awake():
     assert np.quantile(gone[1], 0.1) > 0.5
 
 
+@pytest.mark.slow
 def test_a_chaser_comes_the_nearer_the_greater_his_pace():
     paces = (-1.0, -0.2, 1.0)  # stands, runs in 4 of 10 steps, runs in every step
     ways = [courses("Pursuit", {0: -1.0, 1: 0.0} | dict.fromkeys((4, 7, 10), pace), 20)[:, :, 2:] for pace in paces]

@@ -168,6 +168,7 @@ def covered() -> set[str]:
     return {own_name(str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".")) for path in jit.sources()}
 
 
+@pytest.mark.slow
 def test_the_digest_misses_no_import() -> None:
     """The digest finds imports by a pattern, for speed; this test uses Python's parser, also inside functions."""
     sources = covered()

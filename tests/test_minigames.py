@@ -169,6 +169,7 @@ def test_grf_has_no_built_in_baseline():
     assert set(task.baselines) == {"shoot", "random"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BENCHMARK)
 def test_defences_say_that_they_are(name):
     game = BENCHMARK[name]

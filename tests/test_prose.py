@@ -88,6 +88,7 @@ def said_in_code(pattern, package):
     return {name: words for name, words in said_so.items() if words}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", PACKAGES)
 def test_docstrings_and_comments_are_in_american_english(package):
     assert said_in_code(SPELLING, package) == {}

@@ -55,6 +55,7 @@ def test_a_task_of_ones_own_can_be_made_tested_and_described():
     assert upomdp.vector.envs[0].unwrapped.g == 10.0 and len(upomdp.render()) == 2
 
 
+@pytest.mark.slow
 def test_the_curriculum_with_a_trainer_of_ones_own():
     """The trainer's student never improves: it solves a level with probability 0.5 - theta[0], clipped to [0, 1]."""
     (example,) = [text for text in blocks((HOWTO / "trainer.md").read_text(), "python") if "propose(" in text]

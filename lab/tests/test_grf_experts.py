@@ -48,6 +48,7 @@ def test_one_agent_moves_who_is_his_and_the_ai_the_others():
     assert (env.matches["ball"]["x"] > 10).mean() > 0.7 and (players["x"][:, 0] < -30).all()
 
 
+@pytest.mark.slow
 def test_a_runner_scores_and_a_team_passes():
     one = Expert("run_to_score", False, 0.4, 100)
     # 85 of 200; 42 of 84 in GRF, whose keeper often slides at the ball and misses it

@@ -96,6 +96,7 @@ def test_law_of_saves_is_the_simulators():
         assert save_chance(keeper, *shot[:3]) == pytest.approx(chance, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_blocks_are_recovered():
     changed = blocks.BLOCK._replace(body=0.35, body_edge=0.7, leg=0.5)
     shots = np.column_stack([RNG.uniform(0.0, 1.6, 20000), RNG.uniform(0.02, 0.2, 20000)])

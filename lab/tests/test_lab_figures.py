@@ -38,6 +38,7 @@ def test_both_simulators_have_the_shared_colors_and_a_legend(drawn, tmp_path):
     assert [text.get_text() for text in drawn[1].legends[0].texts] == [GRF, OURS]
 
 
+@pytest.mark.slow
 def test_the_figure_of_scale_names_methods_in_their_colors(drawn, tmp_path):
     points = [scale.Point(panel, "1v1Free", x, 10.0 * x) for panel in scale.PANELS for x in (1, 2)]
     points += [scale.Point("columns", name, x, 10.0 * x) for name in ("dr", "plr", "accel", "paired") for x in (1, 2)]

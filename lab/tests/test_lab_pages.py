@@ -33,6 +33,7 @@ def flags(module, study=""):
     return set(re.findall(r"(?<![\w-])--[a-z][\w.-]*", shown.getvalue()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", QUOTED)
 def test_commands_of_pages_can_be_run(command):
     _, _, module, *words = shlex.split(command)

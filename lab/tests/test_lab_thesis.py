@@ -53,6 +53,7 @@ def test_every_run_can_be_begun_and_default_regret_is_the_default(preset, tmp_pa
             assert (config.paired.roles, config.paired.dr_fraction) == (default.roles, default.dr_fraction)
 
 
+@pytest.mark.slow
 def test_figures_have_the_order_of_the_thesis_and_tables_marks():
     rows = measured()
     assert list(figures.scene_names(rows).values()) == [

@@ -44,6 +44,7 @@ def test_a_thin_line_for_each_run_that_proposed_levels_and_the_mean_of_each_sett
     assert min(line.get_linewidth() for line in bold) > 3 * max(line.get_linewidth() for line in thin)
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_it_is_drawn_for_several_games(tmp_path):
     others = [one | {"game": "1v1RareLine"} for one in ROWS]

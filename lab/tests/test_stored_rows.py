@@ -43,6 +43,7 @@ def seeds_of(path):
     return {int(row[head.index("seed")]) for row in rows} if "seed" in head else set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(LAB).as_posix())
 def test_rows_are_whole(path):
     head, rows = rows_of(path)

@@ -123,6 +123,7 @@ def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
             assert config.seed == plan.seed and config.eval_every * 10 == config.total_env_steps
 
 
+@pytest.mark.slow
 def test_gains_are_over_whole_runs_of_the_same_scenes():
     def row(agent, seed, scene, scored):
         return rows.Row("g", agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 9.5 + seed, "", "1")
@@ -190,6 +191,7 @@ def points(agent, base):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_differences_by_budget_are_over_whole_runs(tmp_path):
     both = points("dr", 0.2) + points("sfl", 0.6)
@@ -217,6 +219,7 @@ def test_budgets_of_a_study_that_goes_on_are_those_of_games_that_all_methods_hav
     assert budgets.section(apart) == ""
 
 
+@pytest.mark.slow
 def test_at_equal_student_steps_the_first_method_had_as_many_as_the_other_learned_from():
     both = [point._replace(trained_steps=point.env_steps // 2) for point in points("sfl", 0.6)] + points("dr", 0.2)
     assert budgets.share_learned(both, "sfl") == pytest.approx(0.5, abs=0.01)
@@ -281,6 +284,7 @@ def played(game, agent, seed, scene, scored):
     return rows.Row(game, agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 9.5, "", "1")
 
 
+@pytest.mark.slow
 def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
     measured = [
         played(game, agent, seed, scene, base + seed)
@@ -302,6 +306,7 @@ def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
     assert "all games" not in few and "| sfl minus dr |" in few.splitlines()[0]
 
 
+@pytest.mark.slow
 def test_games_with_few_runs_are_not_part_of_means_over_games():
     measured = [
         played(game, agent, seed, "held out, x", base + seed)

@@ -49,6 +49,7 @@ def test_a_study_without_teams_leaves_their_page_alone(tmp_path):
     assert "| offense/11_vs_gk | 2 | team_ppo |" in (tmp_path / "teams.md").read_text()
 
 
+@pytest.mark.slow
 def test_agreement_with_published_numbers_is_told_over_games():
     shifts = dict(zip(GAMES, (0.0, 0.01, -0.01, 0.6), strict=True))
     rows = [made(game, published(game) + shift, seed=seed) for game, shift in shifts.items() for seed in range(5)]

@@ -123,6 +123,7 @@ def test_there_must_be_an_agent() -> None:
         FootballConfig(control="none")
 
 
+@pytest.mark.slow
 def test_one_agent_has_no_axis_and_several_have_one() -> None:
     one, three = started("closest1"), started("closest3")
     assert one.single_action_space.n == 19 and one.action_space.shape == (2,)

@@ -131,6 +131,7 @@ def test_one_level_per_rollout(monkeypatch):
     assert_same(*runs)
 
 
+@pytest.mark.slow
 def test_a_state_continues_to_the_same_numbers(monkeypatch):
     case = CASES["PAIRED with a GRU"]
     method, _ = trained(case, True, monkeypatch)
@@ -144,6 +145,7 @@ def test_a_state_continues_to_the_same_numbers(monkeypatch):
         )
 
 
+@pytest.mark.slow
 def test_a_program_that_fails_is_reported_as_in_single_steps(monkeypatch):
     errors = []
     for compiled in (True, False):
@@ -155,6 +157,7 @@ def test_a_program_that_fails_is_reported_as_in_single_steps(monkeypatch):
     assert errors[0][0] == errors[1][0]
 
 
+@pytest.mark.slow
 def test_numbers_that_sample_actions_do_not_depend_on_how_many_are_drawn_at_once():
     one, two = torch.Generator().manual_seed(1), torch.Generator().manual_seed(1)
     steps = torch.stack([torch.rand((16, 2), generator=one) for _ in range(5)])
@@ -162,6 +165,7 @@ def test_numbers_that_sample_actions_do_not_depend_on_how_many_are_drawn_at_once
     assert one.get_state().equal(two.get_state())
 
 
+@pytest.mark.slow
 def test_a_copied_method_plays_its_own_rollouts(monkeypatch):
     method, _ = trained(CASES["a GRU"], True, monkeypatch, updates=1)
     twin = copy.deepcopy(method)

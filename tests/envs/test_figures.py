@@ -29,6 +29,7 @@ def player(env, name):
     return int(env.lineup.object_to_player[[info.name for info in env.program.objects].index(name)])
 
 
+@pytest.mark.slow
 def test_figure_2_1_the_cross_from_the_side():
     """The left mid crosses high once he has arrived; the others run to their points and wait for the ball."""
     env = started(text_of("figure_2_1"), 64)
@@ -44,6 +45,7 @@ def test_figure_2_1_the_cross_from_the_side():
     assert crossed.mean() > 0.5 and waited.mean() > 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ["figure_2_1", "figure_2_3", "figure_2_4"])
 def test_what_a_program_is_not_shown_it_does_not_read(figure):
     """What is found in its code not to be read may be anything: the matches come out the same, bit for bit."""
@@ -73,6 +75,7 @@ def test_figure_2_3_pays_for_a_ball_near_the_goal():
             assert rewards[going] == pytest.approx(expected[going])
 
 
+@pytest.mark.slow
 def test_figure_2_4_ends_when_the_ball_is_in_the_right_half():
     env = started(text_of("figure_2_4"), 8)
     ends = 0

@@ -147,6 +147,7 @@ ball = Ball ahead of ego by Range(2, 3)
 """
 
 
+@pytest.mark.slow
 def test_starts_made_ahead_in_a_block_are_those_made_one_by_one():
     """Two players may stand in each other; one of two environments prefetches the levels."""
     ahead, alone = (FootballVectorEnv(NARROW, 4) for _ in range(2))
@@ -259,6 +260,7 @@ def test_one_thread_and_two_give_the_same_numbers():
         numba.set_num_threads(available)
 
 
+@pytest.mark.slow
 def test_a_batch_of_one_is_a_row_of_a_batch():
     many = FootballVectorEnv(RESTRICTED, 5)
     many.reset(seed=11)

@@ -62,6 +62,7 @@ def parted(team: int, v: tuple[float, float, float, float], angle: float, apart:
     return players
 
 
+@pytest.mark.slow
 @given(st.tuples(speed, speed, speed, speed), st.floats(0, 2 * math.pi), st.floats(0.031, 0.7))
 @settings(max_examples=200, deadline=None)
 def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
@@ -71,6 +72,7 @@ def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], a
     assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) == pytest.approx(0.72)
 
 
+@pytest.mark.slow
 @given(st.tuples(speed, speed, speed, speed), st.floats(0, 2 * math.pi), st.floats(0.031, 0.7))
 @settings(max_examples=100, deadline=None)
 def test_mates_push_past_each_other(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
@@ -95,6 +97,7 @@ def test_two_who_stand_in_one_place_stumble_apart_sideways() -> None:
     assert right["x"] == pytest.approx(-55.0, abs=0.05) and 0.15 < right["y"] < 0.35
 
 
+@pytest.mark.slow
 @given(st.floats(-30, 30), st.floats(-30, 30), st.floats(-20, 0), st.floats(-30, 30), st.floats(-30, 30))
 @settings(max_examples=200, deadline=None)
 def test_a_bounce_gains_no_energy(vx: float, vy: float, vz: float, spin_x: float, spin_y: float) -> None:
@@ -111,6 +114,7 @@ def test_a_bounce_gains_no_energy(vx: float, vy: float, vz: float, spin_x: float
     assert math.hypot(ball["vx"], ball["vy"]) <= max(before) + 1e-9
 
 
+@pytest.mark.slow
 @given(st.floats(54, 56), st.floats(3.3, 4.1), st.floats(0.2, 2.8), *[st.floats(-35, 35)] * 3)
 @settings(max_examples=400, deadline=None)
 def test_the_frame_of_the_goal_gives_no_energy(x: float, y: float, z: float, vx: float, vy: float, vz: float) -> None:
@@ -125,6 +129,7 @@ def test_the_frame_of_the_goal_gives_no_energy(x: float, y: float, z: float, vx:
     assert after == pytest.approx(before) or after == pytest.approx(0.8 * before)
 
 
+@pytest.mark.slow
 @given(st.tuples(*[st.floats(-30, 30)] * 3), st.tuples(speed, speed), st.integers(0, 99))
 @settings(max_examples=100, deadline=None)
 def test_a_parried_ball_has_part_of_its_speed_and_of_the_keepers(
@@ -209,6 +214,7 @@ def test_set_pieces_turn_with_the_pitch(mode: int, x: float, y: float) -> None:
     assert np.unique(np.round(here["ball"]["y"], 3)).size > 4  # they were different kicks
 
 
+@pytest.mark.slow
 def test_a_run_is_the_same_in_every_direction() -> None:
     """Speeds that land where one rule ends and the next begins, such as 5 m/s, are the same for all."""
     angles = np.linspace(0.0, 2.0 * math.pi, 64, endpoint=False)

@@ -188,6 +188,7 @@ def behaving(behavior: str, who: str = "LeftCM at 0 @ 0", more: str = "") -> Sce
     return Scene(f"{BEHAVIORS}ball = Ball at 0 @ 41\nego = {who}, with behavior {behavior}\n{more}\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("behavior", "who", "presses"),
     [

@@ -221,6 +221,7 @@ def test_edits_change_one_cell():
     assert 0 < starts.mean() < 0.02  # only edits of its cell move the agent
 
 
+@pytest.mark.slow
 def test_accel_begins_with_empty_mazes_if_told_to():
     settings = ACCELConfig(new_levels="simplest", min_fill=0.01, buffer=BufferConfig(capacity=300))
     mazes = Mazes(8, MazeConfig(side=7, max_steps=20))
@@ -415,6 +416,7 @@ def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
         np.testing.assert_array_equal(learner.upomdp.images(), twin.upomdp.images())
 
 
+@pytest.mark.slow
 def test_a_checkpoint_continues_to_the_same_numbers(monkeypatch):
     case = CASES["accel, 33 environments, GRU"]
     method, _ = trained(case, True, monkeypatch)

@@ -37,6 +37,7 @@ def test_the_image_of_an_observation_is_minigrids(representation, see_through):
         assert all(plane.any() for plane in planes)
 
 
+@pytest.mark.slow
 def test_it_is_dcds_network_but_for_the_lstm_and_the_layer_of_the_direction():
     mazes = Mazes(2, MazeConfig(representation="image"))
     student = Student(mazes.single_observation_space, mazes.single_action_space, DCD, torch_generator(0))
@@ -74,6 +75,7 @@ def test_it_trains_and_goes_on_bit_for_bit(method_name):
             assert name.startswith("time/") or others[name] == pytest.approx(value, rel=0, abs=0, nan_ok=True), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [{"hidden_layers": 0}, {"head_size": 9}, {"hidden_layers": 0, "head_size": 9}])
 @pytest.mark.parametrize("memory", ["gru", "none"])
 def test_a_compiled_rollout_has_these_layers_too(memory, settings, monkeypatch):

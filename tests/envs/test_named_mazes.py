@@ -69,6 +69,7 @@ def fewest_steps(level):
 # ---------------------------------------------------------------- layouts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_every_test_maze_can_be_solved_within_its_time(name):
     test, rng = ALL[name], np.random.default_rng(0)

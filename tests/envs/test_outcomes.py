@@ -136,18 +136,21 @@ def go_round(within: float) -> Policy:
     return policy
 
 
+@pytest.mark.slow
 def test_the_easy_scene_is_won_by_going_on_not_by_shooting_at_once() -> None:
     """Measured: who shoots while he runs across the goal scores 8 of 40, who first goes on towards it 30 of 40."""
     assert goals(minigame(EASY), shoot_at_once) == pytest.approx(0.2, abs=0.2)
     assert goals(minigame(EASY), go_round(12.0)) > 0.6
 
 
+@pytest.mark.slow
 def test_a_keeper_before_him_runs_along_with_who_goes_round_him_and_who_shoots_at_once_gambles() -> None:
     """Measured: 0 of 40 get round him, they are driven out of play beside his goal; 13 of 40 shots go in."""
     assert goals(minigame(MEDIUM), go_round(12.0)) < 0.1
     assert goals(minigame(MEDIUM), shoot_at_once) == pytest.approx(0.33, abs=0.2)
 
 
+@pytest.mark.slow
 def test_the_hard_scene_is_never_sure_and_never_hopeless() -> None:
     """Measured: 20 of 40 shots go in, 15 of 40 get round the keeper, none of 40 who run straight on."""
     assert goals(minigame(HARD), shoot_at_once) == pytest.approx(0.5, abs=0.2)
@@ -171,6 +174,7 @@ def test_full_strength_backs_win_the_ball_more_often() -> None:
     assert kept[1] < 0.2  # measured at 0.6: 23 of 25 runs are stopped, and difficulty hardly matters
 
 
+@pytest.mark.slow
 def test_the_built_in_ai_plays_itself() -> None:
     """Goals fall on both sides, and nobody keeps the ball for ever. Measured: 22 goals in 36 matches."""
     from test_simulator import FIVES

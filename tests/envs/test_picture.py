@@ -57,6 +57,7 @@ def test_the_bar_tells_the_score_the_mode_and_whom_the_agent_moves():
     assert near(before, -20.0, 10.0, (255, 235, 59), 16) and not near(before, -50.0, 0.0, (255, 235, 59), 16)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".gif", ".webp"])
 def test_a_film_has_a_frame_per_step(tmp_path, suffix):
     matches = position(PLAYERS, (0.0, 20.0))
@@ -87,6 +88,7 @@ def test_without_the_package_mp4_is_refused_before_anything_is_drawn(tmp_path, m
         write_video(tmp_path / "film.mp4", (pytest.fail("a frame was drawn") for _ in range(1)))
 
 
+@pytest.mark.slow
 def test_an_mp4_has_a_frame_per_step(tmp_path):
     reader = pytest.importorskip("imageio_ffmpeg")
     frames = [draw_match(position(PLAYERS, (x, 20.0))[0]) for x in (0.0, 10.0, 20.0, 30.0)]

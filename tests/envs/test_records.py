@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from reference_match import ReferenceMatch
 
 from regista.envs.football.gym_env import FootballEnv
@@ -14,6 +15,7 @@ PROGRAM = Path(__file__).parents[1] / "programs" / "football" / "attack_in_phase
 STEPS = 45
 
 
+@pytest.mark.slow
 def test_a_row_of_the_batch_records_what_one_environment_does():
     batch, one = FootballVectorEnv(PROGRAM, 3), FootballEnv(PROGRAM)
     batch.reset(seed=4)
@@ -30,6 +32,7 @@ def test_a_row_of_the_batch_records_what_one_environment_does():
         assert all(np.array_equal(there[name], own["records"][name]) for name in there)
 
 
+@pytest.mark.slow
 def test_records_of_a_match_are_those_of_the_reference():
     env = FootballVectorEnv(PROGRAM, 1)
     env.reset(seed=4)

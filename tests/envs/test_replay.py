@@ -29,6 +29,7 @@ def recorded(path, program, steps=120, **settings):
     return course
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("program", "settings"),
     [(PROGRAM, {"representation": "smm_stacked", "control": "closest2"}), (ALONE, {"rewards": "scoring,checkpoints"})],
@@ -59,6 +60,7 @@ def test_a_record_of_single_episodes_stands_still_at_their_ends(tmp_path):
     assert same(last, env.matches) and len(set(load_record(tmp_path / "match.npz").lengths.tolist())) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("control", ["closest1", "all"])
 def test_a_program_that_plays_for_the_agents_does_so_in_the_replay(tmp_path, control):
     env = FootballVectorEnv(PROGRAM, 2, config=FootballConfig(control=control))
@@ -115,6 +117,7 @@ def test_a_replay_that_comes_out_differently_says_so(tmp_path):
         list(replay(path))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -81,6 +81,7 @@ def check_raw(observation):
     assert type(observation["score"]) is list and [type(goals) for goals in observation["score"]] == [int, int]
 
 
+@pytest.mark.slow
 def test_raw_has_the_keys_shapes_and_types_of_the_original():
     env = FootballEnv(program(), representation="raw")
     first, _ = env.reset(seed=0)
@@ -89,6 +90,7 @@ def test_raw_has_the_keys_shapes_and_types_of_the_original():
         check_raw(env.step(5)[0])
 
 
+@pytest.mark.slow
 def test_raw_of_several_agents_is_a_dict_for_each():
     env = FootballEnv(program(), representation="raw", control="closest3")
     seen, _ = env.reset(seed=0)
@@ -99,6 +101,7 @@ def test_raw_of_several_agents_is_a_dict_for_each():
     assert env.step([5, 0, 13])[0][0]["sticky_actions"].sum() <= 1
 
 
+@pytest.mark.slow
 def test_raw_of_a_right_agent_is_turned():
     env = FootballEnv(program(), representation="raw", right_control="closest1")
     (left, right), _ = env.reset(seed=0)
@@ -114,6 +117,7 @@ def test_raw_of_a_right_agent_is_turned():
         assert left["score"] == right["score"][::-1]
 
 
+@pytest.mark.slow
 def test_sticky_actions_are_those_of_the_player_and_as_he_sees_them():
     env = FootballEnv(program(), representation="raw", control="all", right_control="2")
     env.reset(seed=0)
@@ -138,12 +142,14 @@ def simple115(raw):
     return np.array(parts, np.float32)
 
 
+@pytest.mark.slow
 def test_simple115_is_made_of_raw_as_in_the_original():
     for raw, seen, _ in side_by_side("simple115"):
         assert seen.dtype == np.float32 and seen.shape == (115,)
         np.testing.assert_allclose(seen, simple115(raw), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_simple115_in_its_units_has_the_sizes_of_features():
     """What the student's floor is measured in: places by half a pitch, speeds by 8 m/s, the ball's by 20."""
     envs = [make(name, "active", count=1) for name in ("simple115", "features")]
@@ -205,6 +211,7 @@ def test_sparse_smm_is_the_same_planes_as_coordinates(representation, control, r
     np.testing.assert_array_equal(sparse.copy().observe(), other)
 
 
+@pytest.mark.slow
 def test_sparse_pixels_change_nothing_but_planes():
     env = FootballVectorEnv(program(), 2, config=FootballConfig("features", pixels="sparse"))
     assert env.observation_space == make("features", count=2).observation_space and env.plays_rollouts
@@ -212,6 +219,7 @@ def test_sparse_pixels_change_nothing_but_planes():
         FootballConfig(pixels="few")
 
 
+@pytest.mark.slow
 def test_stacked_smm_has_the_last_four_frames_oldest_first():
     """Also across the start of an episode, where the first frame counts four times."""
     frames, starts = [], 0
@@ -223,6 +231,7 @@ def test_stacked_smm_has_the_last_four_frames_oldest_first():
     assert starts > 1
 
 
+@pytest.mark.slow
 def test_the_last_observation_of_an_episode_is_of_that_episode():
     env = make("smm_stacked", count=8)
     seen, _ = env.reset(seed=0)
@@ -282,6 +291,7 @@ def test_a_state_resumes_bit_for_bit_in_another_environment(representation):
         assert all(equal(a, b) for a, b in zip(one[:4], two[:4], strict=True))
 
 
+@pytest.mark.slow
 def test_the_single_environment_gives_and_takes_states():
     env = FootballEnv(program(), representation="smm_stacked")
     env.reset(seed=3)
@@ -294,6 +304,7 @@ def test_the_single_environment_gives_and_takes_states():
     assert all(equal(a, b) for one, two in zip(course, again, strict=True) for a, b in zip(one, two, strict=True))
 
 
+@pytest.mark.slow
 def test_a_state_of_other_matches_is_refused():
     env, other = make("features"), make("features", count=2)
     env.reset(seed=0)

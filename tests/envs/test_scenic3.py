@@ -51,6 +51,7 @@ def load(tmp_path):
     return partial(load_program, tmp_path)
 
 
+@pytest.mark.slow
 def test_without_scenic_it_says_what_to_install():
     code = "import sys; sys.modules['scenic'] = None\nimport regista.envs.scenic3"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)

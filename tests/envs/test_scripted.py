@@ -352,6 +352,7 @@ def equal(first: list[np.ndarray], second: list[np.ndarray]) -> bool:
     return all((a == b).all() for a, b in zip(first, second, strict=True))
 
 
+@pytest.mark.slow
 def test_runs_repeat_themselves_and_threads_change_nothing() -> None:
     courses = [course(wandering(16)) for _ in range(2)]
     assert equal(*courses)
@@ -364,6 +365,7 @@ def test_runs_repeat_themselves_and_threads_change_nothing() -> None:
             numba.set_num_threads(threads)
 
 
+@pytest.mark.slow
 def test_a_batch_of_one_is_a_row_of_a_batch() -> None:
     many = wandering(4)
     ones = [wandering(1) for _ in range(4)]

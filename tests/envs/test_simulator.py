@@ -153,6 +153,7 @@ def test_invariants_under_random_actions(striker: tuple[float, float], keeper: t
     assert matches["ended"][0] != RUNNING
 
 
+@pytest.mark.slow
 def test_invariants_in_an_open_game_of_fives() -> None:
     matches = position(FIVES, (0.0, 1.0), seeds=range(32))
     rng = np.random.default_rng(0)

@@ -52,6 +52,7 @@ def test_the_reference_is_of_this_version() -> None:
     assert VERSION == SIMULATOR_VERSION, f"{FILE} is of simulator version {VERSION}; {RECORD}"
 
 
+@pytest.mark.slow
 def test_what_is_played_is_what_this_version_plays(plays: list[Play]) -> None:
     pairs = list(zip(SCENES, plays, strict=True))
     found = [f"{kept.scene.name}, {change}" for kept, play in pairs for change in kept.changes(play)]
@@ -108,6 +109,7 @@ def test_a_file_gives_back_what_was_saved(tmp_path) -> None:
         assert np.abs(kept.digests - other.digests).max() < played.RESOLUTION
 
 
+@pytest.mark.slow
 def test_a_law_that_changes_is_noticed(plays: list[Play]) -> None:
     """A ball that has rolled 0.1 mm further than before, and a card that nobody had."""
     kept, play = SCENES[0], plays[0]

@@ -69,6 +69,7 @@ def test_paired_on_coordinates_chooses_the_levels_that_it_chooses_on_images():
     np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_checkpoint_of_coordinates_plays_on_images(tmp_path):
     made, *_ = trained(DR, "sparse")
     assert isinstance(made.upomdp.agent_observation_space, SparseImage)

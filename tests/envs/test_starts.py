@@ -46,6 +46,7 @@ RightCB at -72 @ 0
 """
 
 
+@pytest.mark.slow
 def test_the_first_whistle_finds_bodies_anywhere_in_their_idle_movement() -> None:
     """Measured in 16 episodes: the ball, 1 m ahead, is touched in step 2 once, in 3, 4, 5 five, seven, three times; the
     keeper runs .62 m in 4 steps; after 4, 8 and 12 his way deviates by .26, .40, .49 m.

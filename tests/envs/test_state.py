@@ -57,6 +57,7 @@ def test_errors(positions: np.ndarray, ball: np.ndarray, teams: list[int], sente
         kick_off(positions, ball, Roster(teams, [CM] * len(teams)), [0])
 
 
+@pytest.mark.slow
 def test_random_streams_are_even_and_independent() -> None:
     matches = duel((30.0, 1.0), (50.0, 2.0), range(200))
     draws = np.array([[uniform(match) for _ in range(50)] for match in matches])

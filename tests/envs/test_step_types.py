@@ -15,6 +15,7 @@ from regista.minigames import MINIGAMES
 FREE = MINIGAMES["1v1Free"].program
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(step_batch, "get_overload"), reason="kernels run uncompiled")
 def test_types_are_looked_up_in_the_first_step_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     one, other = (FootballVectorEnv(FREE, 3) for _ in range(2))

@@ -14,6 +14,8 @@ from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.folder import RunFolder
 from regista.minigames.suites import MIXTURES
 
+pytestmark = pytest.mark.slow
+
 BRIEF = ["--num-envs", "4", "--num-steps", "32", "--total-env-steps", "256"]
 FULL = "regista.envs.maze.task:maze"
 
@@ -52,7 +54,6 @@ def test_its_settings_are_the_selected_ones_that_a_flag_overrides(run):
     assert (config.ppo.memory, config.accel.buffer.capacity, config.ppo.num_steps) == ("gru", 4000, 32)
 
 
-@pytest.mark.slow
 def test_a_run_is_resumed_and_evaluated_without_trust(run, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
@@ -76,7 +77,6 @@ def test_a_recording_and_a_gallery_show_mazes(run, capsys):
     assert sum(tiles) == 13 * 13
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("columns", [80, 100])
 def test_lines_of_the_list_fit_the_terminal(columns, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(columns))
@@ -112,7 +112,6 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
     assert "did you mean 'maze' or 'maze60'?" in capsys.readouterr().err
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -151,7 +150,6 @@ def test_students_and_baselines_play_its_tests(run, tmp_path, capsys):
     assert "1 step by always the first action" in capsys.readouterr().out
 
 
-@pytest.mark.slow
 @pytest.mark.long
 def test_methods_are_compared_on_mazes(tmp_path, trained_here):
     words = ["compare", "maze", "--methods", "dr", "plr", "robust_plr", "accel", "sfl", "--seeds", "1", *BRIEF]

@@ -33,6 +33,7 @@ def in_process(probe, trained_here, monkeypatch):
     monkeypatch.setattr(compare, "draw", lambda found, folder, kind: None)
 
 
+@pytest.mark.slow
 def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
     folder = tmp_path / "demo"
     assert main(["compare", "1v1Restricted", "--seeds", "2", *SHORT, *LEVELS, "--out", str(folder)]) == 0
@@ -51,6 +52,7 @@ def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
     assert 0.3 < rates["random"] < 0.7 and rates["shoot"] < 1  # the probe pays the right side
 
 
+@pytest.mark.slow
 def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path, capsys):
     folder = tmp_path / "demo"
     command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, *LEVELS, "--out", str(folder)]
@@ -69,6 +71,7 @@ def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path
     assert (folder / "dr-0" / "metrics.csv").read_bytes().startswith(before)
 
 
+@pytest.mark.slow
 def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
     command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, *LEVELS, "--out", str(tmp_path / "demo")]
     assert main(command) == 0
@@ -79,6 +82,7 @@ def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
     )
 
 
+@pytest.mark.slow
 def test_a_method_is_compared_with_itself(in_process, tmp_path, capsys):
     folder = tmp_path / "demo"
     command = ["compare", "1v1Restricted", "--methods", "dr", "--seeds", "1", *SHORT, *LEVELS, "--out", str(folder)]
@@ -105,6 +109,7 @@ def test_a_method_is_compared_with_itself(in_process, tmp_path, capsys):
     assert "was trained with ppo.learning_rate = 1e-05; it cannot continue with 0.0001" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_variants_alone_are_of_dr_or_of_their_own_method(in_process, tmp_path):
     command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--levels", "0", "--out", str(tmp_path / "demo")]
     assert main([*command, "--variants", "a: --gamma 0.9", "b: --method plr"]) == 0
@@ -133,6 +138,7 @@ def test_what_is_no_variant_is_refused(variant, told, tmp_path, capsys):
     assert told in capsys.readouterr().err and not folder.exists()
 
 
+@pytest.mark.slow
 def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
     path = tmp_path / "run"
     assert main(["train", "1v1Restricted", *SHORT[:6], "--out", str(path), "--no-record"]) == 0

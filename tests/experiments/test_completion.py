@@ -75,6 +75,7 @@ def test_every_flag_is_known():
     assert known["train"].values["--method"] == list(METHODS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shell", SHELLS)
 def test_the_script_is_one_that_the_shell_reads(shell, tmp_path, capsys):
     assert main(["completion", shell]) == 0

@@ -42,6 +42,7 @@ def test_a_run_of_the_same_settings_gives_the_same_numbers(run, name, tmp_path):
     assert rows[0] == rows[1]
 
 
+@pytest.mark.slow
 def test_a_run_that_started_from_a_student_warns_that_the_settings_do_not_hold_it(run, tmp_path, capsys):
     tuned = tmp_path / "tuned"
     assert main(["train", GAME, "--method", "dr", *SMALL, "--from", str(run), "--out", str(tuned)]) == 0
@@ -55,6 +56,7 @@ def test_a_run_that_started_from_a_student_warns_that_the_settings_do_not_hold_i
     assert "started from" not in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_budget_below_what_a_run_has_done_is_refused(run, capsys):
     before = (run / "config.json").read_bytes()
     assert main(["train", "--resume", str(run), "--total-env-steps", "128"]) == 1

@@ -16,6 +16,8 @@ from ued.adapters.policy import load_policy
 from ued.core import checkpoint
 from ued.core.checkpoint import CheckpointError
 
+pytestmark = pytest.mark.slow
+
 DAMAGES = {
     "config.json": (b"", b"[" * 100_000, b"\xff\xfe", b'{"seed": NaN}', b"null", b'{"minigame": 3}'),
     "metrics.csv": (b"\xff\xfe\n\xff\n", b"update,env_steps\nx,y\n", b"update,env_steps\n1\n", b'update,"env\n1,2\n'),
@@ -30,7 +32,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("name", "number"), [(name, k) for name, each in DAMAGES.items() for k in range(len(each))])
 def test_a_file_that_is_something_else(folder, tmp_path, name, number):
     copy = tmp_path / "run"
@@ -92,7 +93,6 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_run(tmp_path_factory.mktemp("begun"), 200, "begun")
 
 
-@pytest.mark.slow
 def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
     for keys, value in (
         (("spaces", "action", "kind"), "Nothing"),
@@ -106,7 +106,6 @@ def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
             load_policy(tmp_path)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"), [("kl_coef", "x"), ("kl_coef", float("nan")), ("student", {}), ("source", 3)]
 )
@@ -182,7 +181,6 @@ def test_a_table_that_does_not_say_how_long_was_trained(begun, tmp_path, text):
     assert run.seconds() == 0.0
 
 
-@pytest.mark.slow
 def test_run_folders_with_something_damaged(folder):
     assert attack(40, 0, folder)[REFUSED] > 10
     assert Target(folder).run.exists()

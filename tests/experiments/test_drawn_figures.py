@@ -91,6 +91,7 @@ def test_no_period_of_training_is_shown_twice():
     assert pictures._shortened("PAIRED, middle", 30) == "PAIRED, middle"
 
 
+@pytest.mark.slow
 def test_titles_of_levels_do_not_overlap(tmp_path, monkeypatch):
     Table(tmp_path / "levels.csv").append([{"update": k} | dict.fromkeys(THETA, k / 9) for k in range(1, 9)])
     painter = FootballPainter(Lineup(load_program(find_minigame("1v1Restricted").program, 2)))
@@ -104,6 +105,7 @@ def test_titles_of_levels_do_not_overlap(tmp_path, monkeypatch):
     assert not any(one.overlaps(other) for one, other in itertools.combinations(extents, 2))
 
 
+@pytest.mark.slow
 def test_choices_have_a_bar_for_each_value_beside_its_weight(tmp_path, monkeypatch):
     draws = [
         Column("ground", Choice("ice", "mud", weights=(3, 1))),
@@ -132,6 +134,7 @@ def test_choices_have_a_bar_for_each_value_beside_its_weight(tmp_path, monkeypat
     assert found[1].legends[0].get_title().get_text() == "levels of (the first 8 of 40 parameters)"
 
 
+@pytest.mark.slow
 def test_numbers_label_the_axes_of_levels_in_their_own_units(tmp_path, monkeypatch):
     kinds = {"length": LogRange(0.1, 4), "push": Range(2, 15), "narrow": LogRange(1, 4), "steps": Integer(0, 100)}
     draws = [*(Column(name, kind) for name, kind in kinds.items()), Column("free", Range(0, 0))]

@@ -96,6 +96,7 @@ def test_negative_scores_have_shades():
     assert unit(np.full(2, -1.0)).tolist() == [0, 0] and unit(np.full(2, np.nan)).tolist() == [0, 0]
 
 
+@pytest.mark.slow
 def test_a_large_population_is_recorded(tmp_path):
     level, students = level_dtype(3), [f"student{k}" for k in range(6)]
     records = make_records(level_record_dtype(level, 6, 1), np.zeros(2, level))
@@ -122,6 +123,7 @@ def test_a_replayed_episode_is_shown_from_its_start_to_its_end():
     assert endings(replay, played) == ["return +0.00"] * 2
 
 
+@pytest.mark.slow
 def test_long_episodes_are_shown_as_far_as_they_are_saved():
     replay, stage = replay_of(300, 8)
     played = stage.play(replay)

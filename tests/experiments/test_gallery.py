@@ -21,6 +21,8 @@ from regista.experiments.run.tasks import CheckedPainter
 from tests.experiments.test_files import documented
 from ued.core.painter import line_color_of
 
+pytestmark = pytest.mark.slow
+
 TASK = """
 import numpy as np
 import ued
@@ -87,7 +89,6 @@ def test_positions_are_kept_whatever_the_size_of_the_world(size):
     assert np.nanmax(np.abs(np.where(packed == gallery.NOWHERE, np.nan, packed * unit) - places)) < size / 10_000
 
 
-@pytest.mark.slow
 def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
@@ -104,7 +105,6 @@ def test_every_row_plays_the_very_episodes_again(run):
         assert replay.level["seed"][0] == level["seed"]
 
 
-@pytest.mark.slow
 def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
     task = Path(run.path).parent / "walk_task.py"
     command = ["train", f"{task}:task", "--method", "plr", "--plr.buffer.capacity", "5", "--total-env-steps", "4_000"]
@@ -118,7 +118,6 @@ def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
         assert came_out_alike(replay, stage.play(replay).returns)
 
 
-@pytest.mark.slow
 def test_the_levels_of_the_highest_scores_are_kept(run):
     rows, levels = read_rows(run.replays.path), levels_of(run)
     for update in {row["update"] for row in rows}:

@@ -24,6 +24,7 @@ print(faults())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="page faults are counted on Unix only")
 def test_freed_memory_is_kept():
     kind = platform.libc_ver()[0]

@@ -74,6 +74,7 @@ def test_values_of_parameters_are_read_as_python_writes_them():
     assert read_params(texts) == {"a": 3, "b": -0.5, "c": True, "d": None, "e": [1, "x"], "f": "snow storm", "g": ""}
 
 
+@pytest.mark.slow
 def test_drawn_levels_have_their_values_and_a_legend(tmp_path, monkeypatch):
     from regista.experiments.pictures import plots
 
@@ -101,6 +102,7 @@ def test_a_legend_names_the_markers_that_are_drawn(tmp_path, monkeypatch):
     assert said == ["left team", "right keeper", "ball", "heading"]  # the left keeper is outside
 
 
+@pytest.mark.slow
 def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, capsys):
     for program in (str(street), "1v1Free"):
         png, rrd = tmp_path / "scenes.png", tmp_path / "scenes.rrd"
@@ -116,6 +118,7 @@ def test_a_picture_of_another_ending_is_refused(street, tmp_path, capsys):
     assert captured.out == "" and not [*tmp_path.glob("a.*")]
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_a_picture_has_the_format_that_is_asked_for(street, tmp_path, capsys):
     assert main(["inspect", str(street), "--n", "1", "--png", str(tmp_path / "scenes.png"), "--format", "svg"]) == 0
@@ -169,6 +172,7 @@ def test_an_impossible_program_is_reported_not_drawn(tmp_path, capsys):
     assert "no valid scene" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("flags", "code", "message"),
     [

@@ -127,6 +127,7 @@ def test_a_table_that_was_cut_back_and_continued_has_the_same_bytes(tmp_path, sm
             assert contents(written(folder, form, range(saved + 1, UPDATES + 1), flush_every=3)) == whole
 
 
+@pytest.mark.slow
 def test_a_cut_that_is_interrupted_keeps_all_rows_up_to_the_checkpoint(tmp_path, small_parts):
     for count in range(4):
         folder = tmp_path / str(count)

@@ -138,6 +138,7 @@ def test_a_file_cannot_say_what_cannot_be_typed(kind):
                 configs.from_dict(kind, data, "c.json")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [TrainConfig, TaskTrainConfig])
 def test_python_cannot_either(kind):
     for path, item in every_number(kind()):

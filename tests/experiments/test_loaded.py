@@ -31,6 +31,7 @@ def comparison(tmp_path, trained_here):
     return regista.compare(GAME, total_env_steps=512, **chosen, **SMALL)
 
 
+@pytest.mark.slow
 def test_columns_need_no_pandas(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     data = regista.load_run(run)
@@ -43,6 +44,7 @@ def test_columns_need_no_pandas(run, monkeypatch):
         data.columns("replays")
 
 
+@pytest.mark.slow
 def test_tables_of_a_run_are_frames(run):
     pytest.importorskip("pandas")
     data = regista.load_run(run)
@@ -92,6 +94,7 @@ def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
     assert [run.name for run in regista.load_comparison(tmp_path / "both").runs] == ["plr", "plr", "dr", "dr"]
 
 
+@pytest.mark.slow
 def test_a_run_trained_from_python_is_finished(run):
     """A comparison keeps it, and starts no process for it."""
     assert RunFolder.open(run).finished()
@@ -153,6 +156,7 @@ def test_an_argument_of_another_type_is_refused_in_a_sentence(call, sentence, tm
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.slow
 def test_a_whole_number_may_be_a_float_and_one_method_a_name(tmp_path, trained_here):
     run = regista.load_run(regista.train(GAME, out=tmp_path / "run", total_env_steps=1e2, **SMALL))
     assert repr(run.config.total_env_steps) == "100"

@@ -120,6 +120,7 @@ def test_the_settings_of_a_method_have_a_page(method, capsys):
     assert flags == {method.group.replace("_", "-")}
 
 
+@pytest.mark.slow
 def test_help_loads_nothing_heavy():
     """`import regista` registers the minigames, so Gymnasium and NumPy are loaded: a tenth of a second."""
     code = (
@@ -157,6 +158,7 @@ def test_inspect_shows_what_a_theta_means(capsys):
     assert "this θ describes a valid scene" in text and "+0.50" in text
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_inspect_shows_text_and_scenes(capsys, tmp_path):
     assert main(["inspect", "1v1Free", "--show", "tokens"]) == 0

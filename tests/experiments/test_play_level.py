@@ -81,6 +81,7 @@ def test_a_level_is_played_and_filmed(run, tmp_path, capsys):
     assert (tmp_path / "cave.gif").stat().st_size > 0
 
 
+@pytest.mark.slow
 def test_what_is_no_level_is_said(run, capsys):
     assert main(["play", "--level", str(run), "--id", "999999"]) != 0
     assert "has no level 999999" in capsys.readouterr().err
@@ -91,11 +92,13 @@ def test_what_is_no_level_is_said(run, capsys):
         ued.read_level(run, 10**9)
 
 
+@pytest.mark.slow
 def test_a_task_is_no_start_for_football(run, tmp_path, capsys):
     assert main(["train", "1v1Free", "--from", str(run), "--out", str(tmp_path / "out"), *SMALL]) != 0
     assert "which has other observations" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_minigame_in_a_python_file_is_played_by_random_actions(tmp_path, capsys):
     file = tmp_path / "football_task.py"
     file.write_text("from regista.minigames import MINIGAMES\n\ngame = MINIGAMES['1v1Restricted'].task()\n")

@@ -90,6 +90,7 @@ def test_a_student_of_a_task_is_filmed_on_each_level_of_a_test(caves, tmp_path, 
         assert film.info["duration"] % 100 == 0  # render_fps = 10
 
 
+@pytest.mark.slow
 def test_environments_without_pictures_and_missing_packages_are_named(caves, tmp_path, monkeypatch, capsys):
     assert main(["play", f"{caves / 'unseen.py'}:caves", "--video", str(tmp_path / "x.gif")]) == 2
     assert 'gymnasium.make(..., render_mode="rgb_array")' in capsys.readouterr().err

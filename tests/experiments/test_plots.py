@@ -216,6 +216,7 @@ def test_a_bar_without_results_is_absent(runs, painter):
     plt.close(figure)
 
 
+@pytest.mark.slow
 def test_the_mean_of_all_scenes_stands_first_and_differences_to_the_first_method_below_the_heading(runs, painter):
     import matplotlib.pyplot as plt
 
@@ -241,6 +242,7 @@ def test_the_mean_of_all_scenes_stands_first_and_differences_to_the_first_method
     assert pictures._gains(single) == []  # one run each: no interval
 
 
+@pytest.mark.slow
 def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(runs):
     for run in itertools.chain.from_iterable(runs.values()):
         table = run / "metrics.csv"
@@ -260,6 +262,7 @@ def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(run
     assert len(alone.legends[0].texts) == 2  # without bands, nothing explains them
 
 
+@pytest.mark.slow
 def test_titles_lie_within_the_picture_and_beside_each_other(runs):
     for run in runs["dr"]:
         table = run / "metrics.csv"

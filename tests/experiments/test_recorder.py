@@ -57,6 +57,7 @@ def filled_buffer():
     return buffer
 
 
+@pytest.mark.slow
 def test_a_buffers_tree_leads_from_parents_to_their_copies(recorded):
     path, _ = recorded
     ((_, lines), *_) = table(path, "/buffer/tree/descent", "LineStrips2D:strips").items()
@@ -94,6 +95,7 @@ def recorded(tmp_path_factory):
     return path, batches
 
 
+@pytest.mark.slow
 def test_the_file_is_complete(recorded):
     from rerun.chunk import RrdReader
 

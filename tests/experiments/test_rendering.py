@@ -51,6 +51,7 @@ def test_gray_pictures_and_those_with_an_alpha_channel_are_shown():
         picture(None)
 
 
+@pytest.mark.slow
 def test_episodes_of_different_size_are_one_film(tmp_path):
     cave = task(
         tmp_path, "return np.full((8 + int(8 * self.walls[0]), 16 + 2 * int(8 * self.walls[0]), 4), 200, np.uint8)"

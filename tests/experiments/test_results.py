@@ -106,6 +106,7 @@ def two_methods():
     return results + [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
 
 
+@pytest.mark.slow
 def test_marks_tell_differences_that_survive_holm_from_others():
     """Of two other methods on two scenes: a clear difference, one that the others make doubtful, and none twice."""
 
@@ -151,6 +152,7 @@ def test_too_few_runs_have_no_marks_but_a_smallest_visible_difference():
     assert "correction" not in text and "3 runs each: differences under 43 points cannot be detected" in text
 
 
+@pytest.mark.slow
 def test_the_table_has_methods_and_scenes():
     lines = [line.split("  ") for line in Report(two_methods()).text().splitlines()]
     cells = [[cell.strip() for cell in line if cell.strip()] for line in lines]
@@ -164,6 +166,7 @@ def test_the_table_has_methods_and_scenes():
     assert cells[second + 4] == ["shoot", "5%", "5%", "5%"]
 
 
+@pytest.mark.slow
 def test_a_table_that_is_wider_than_the_terminal_is_cut_into_blocks():
     report = Report(two_methods())
     assert report.text(10_000) == report.text()
@@ -184,6 +187,7 @@ def test_a_mean_that_includes_the_training_levels_says_so():
     assert f"over all scenes, including the {TRAINING_SCENE};" in Report([*rows, *training]).text()
 
 
+@pytest.mark.slow
 def test_markdown_and_csv_have_the_same_numbers(tmp_path):
     report = Report(two_methods(), [LevelResult(name, 0, 50, 4, 0.5, 0.2, 0.05) for name in ("dr", "paired", "shoot")])
     report.save(tmp_path)

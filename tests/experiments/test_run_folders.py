@@ -18,6 +18,8 @@ from regista.experiments.run.run_folders import open_runs
 from regista.experiments.run.table import read_rows
 from tests.experiments.test_play_level import TASK
 
+pytestmark = pytest.mark.slow
+
 SMALL = ["--total-env-steps", "512", "--num-envs", "4", "--num-steps", "64", "--eval-every", "0", "--no-record"]
 BRIEF = ["--episodes", "2", "--levels", "0", "--no-baselines"]
 GAME, SCENE = "ued.probes:frontier", "every length"
@@ -37,7 +39,6 @@ def runs(tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
 def test_a_folder_stands_for_all_its_runs(runs, capsys):
     assert main(["evaluate", str(runs), *BRIEF, "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]
@@ -118,7 +119,6 @@ def test_runs_of_other_environments_are_evaluated_separately():
             check_one_game([run_of(), run_of(**env)])
 
 
-@pytest.mark.slow
 def test_a_variant_with_the_name_of_a_baseline_has_a_row_of_its_own(tmp_path, trained_here):
     words = ["compare", GAME, "--methods", "dr", "--variants", "random: --method plr", "--seeds", "1", *SMALL[:-1]]
     assert main([*words, "--no-record", "--episodes", "2", "--levels", "0", "--out", str(tmp_path / "c")]) == 0

@@ -48,6 +48,7 @@ def test_a_policy_is_small_and_of_the_present_simulator(name):
     assert run.about["command"].startswith("regista train ") and set(run.about) <= {"command", "simulator"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_policy_plays_its_game(name, capsys):
     code, shown = said(["play", "--player", name], capsys)
@@ -134,6 +135,7 @@ def test_other_commands_name_the_folder_to_copy(words, capsys):
     assert code == 2 and f"accept {MAZE}; copy its folder, {shipped.located(MAZE)}," in shown
 
 
+@pytest.mark.slow
 def test_a_copy_is_a_run_from_which_training_starts(tmp_path, capsys):
     copy = shutil.copytree(shipped.located(MAZE), tmp_path / "copy")
     short = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--eval-every", "0", "--no-record"]

@@ -55,6 +55,7 @@ def test_a_signal_that_was_swallowed_still_counts(capsys):
     assert run_command(command, []) == 130
 
 
+@pytest.mark.slow
 def test_an_object_that_a_signal_left_half_made_says_nothing():
     lines = """
 import os, signal
@@ -100,6 +101,7 @@ def test_a_reader_that_has_gone_is_no_error(words):
     assert process.wait() in (0, 141) and said == ""
 
 
+@pytest.mark.slow
 def test_a_terminal_that_has_gone_is_no_error():
     master, terminal = os.openpty()
     os.close(master)

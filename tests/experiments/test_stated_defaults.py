@@ -83,6 +83,7 @@ def test_other_cases_are_what_they_are_called(argv, effective):
     assert not cases
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["fast", "thesis"])
 def test_the_settings_of_all_minigames_are_there(preset):
     found = [flat(config) for config in all_starts(preset)]

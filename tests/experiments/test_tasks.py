@@ -19,6 +19,8 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from ued.core import checkpoint
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent.parent
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "128", "--eval-episodes", "4"]
 TASK = '''
@@ -165,7 +167,6 @@ def test_a_run_continues_from_its_checkpoint(task, tmp_path):
 
 
 @pytest.mark.drawn
-@pytest.mark.slow
 def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     settings = ["--total-env-steps", "128", "--episodes", "4", "--levels", "10", "--level-episodes", "2", "--no-record"]
     out = tmp_path / "both"
@@ -179,7 +180,6 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     assert "three" in capsys.readouterr().out
 
 
-@pytest.mark.slow
 def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(compare, "draw", lambda comparison, folder, kind: None)
     start, out = tmp_path / "start", tmp_path / "tuned"
@@ -208,7 +208,6 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert "dr-0 started with --kl-to-clone 0.0 --kl-share 0.5; it cannot continue with 1.0 and 0.5" in said
 
 
-@pytest.mark.slow
 def test_a_program_that_trained_in_processes_ends(tmp_path):
     script = tmp_path / "push_script.py"
     asynchronous = TASK.replace("kinds, num_envs)", 'kinds, num_envs, vectorization="async")').replace(
@@ -263,7 +262,6 @@ def test_one_call_from_python_trains_tests_and_loads_a_policy(task, tmp_path):
     assert policy.act({"at": np.zeros(1, np.float32), "ground": 1}) in (0, 1)
 
 
-@pytest.mark.slow
 def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(task, tmp_path):
     out = tmp_path / "run"
     more = ["--method", "paired", "--memory", "gru", "--num-minibatches", "2", "--record-rollouts", "1"]
@@ -334,7 +332,6 @@ def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
     assert "grass, sand, ice" in shown and "of random θ" not in shown  # the task has no check
 
 
-@pytest.mark.slow
 def test_a_family_of_levels_is_a_task(tmp_path):
     shutil.copy(ROOT / "examples" / "own_levels.py", tmp_path / "levels_copy.py")
     out = tmp_path / "run"
@@ -342,7 +339,6 @@ def test_a_family_of_levels_is_a_task(tmp_path):
     assert len(rows(out / "metrics.csv")) == 8
 
 
-@pytest.mark.slow
 def test_a_task_brings_defaults_baselines_held_out_scenes_and_its_word(task, trained_here, tmp_path, capsys):
     whole, out = task.replace(":push", ":whole"), tmp_path / "both"
     command = ["compare", whole, "--methods", "dr", "plr", "--seeds", "1", *SHORT, "--no-record", "--out", str(out)]
@@ -435,7 +431,6 @@ def test_whatever_is_no_task_is_refused_from_python(task, tmp_path):
         regista.train(lambda num_envs: None)
 
 
-@pytest.mark.slow
 def test_runs_of_several_tasks_are_not_evaluated_together(task, tmp_path):
     out, other = tmp_path / "run", tmp_path / "other"
     for name, path in (("push", out), ("part", other)):

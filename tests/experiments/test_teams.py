@@ -44,6 +44,7 @@ def test_a_team_is_trained_gone_on_with_tested_and_carried_over(tmp_path, capsys
     assert "features outside the range of our episodes: never" in capsys.readouterr().out  # both engines are ours
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
@@ -85,6 +86,7 @@ def loaded(control="all", num_envs=3):
     return env
 
 
+@pytest.mark.slow
 def test_episodes_keep_what_each_agent_did_and_saw():
     env = loaded()
     levels, rng = env.sample_levels(4), np.random.default_rng(0)
@@ -103,6 +105,7 @@ def test_what_one_agent_sees_outside_counts_for_the_team():
     assert (found.share, found.step, found.first) == (0.5, 2.0, ("x",))
 
 
+@pytest.mark.slow
 def test_the_baselines_play_for_every_agent():
     import torch
 

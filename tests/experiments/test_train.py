@@ -61,6 +61,7 @@ def test_a_run_that_tests_nothing_makes_no_environments_for_it(probe, tmp_path, 
     assert len(made) == 1
 
 
+@pytest.mark.slow
 def test_every_program_is_read_once(monkeypatch):
     read = []
     load = scenic_lite.load
@@ -122,6 +123,7 @@ def test_points_of_a_mixture_are_those_of_its_programs():
         assert np.allclose(places[k, painter.focus], expected[-1])  # the ball
 
 
+@pytest.mark.slow
 def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
     command = ["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]
     assert main(command) == 0
@@ -133,6 +135,7 @@ def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
     assert (tmp_path / "run" / "metrics.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_run_that_never_began_leaves_the_name_free(probe, tmp_path, monkeypatch, capsys):
     from regista.experiments.run import build
     from regista.experiments.run.errors import CommandError
@@ -179,6 +182,7 @@ def test_a_stopped_run_continues_to_the_same_numbers(probe, tmp_path, monkeypatc
         assert without_time(tmp_path / "cut" / name) == without_time(tmp_path / "whole" / name)
 
 
+@pytest.mark.slow
 def test_sigterm_ends_well_with_143(probe, tmp_path, monkeypatch):
     from tests.experiments.probe import ProbeMethod
 
@@ -234,6 +238,7 @@ def test_a_resumed_recording_is_a_second_part(probe, tmp_path):
     assert parts == ["curriculum.2.rrd", "curriculum.rrd"]
 
 
+@pytest.mark.slow
 def test_what_a_resumed_run_may_not_change(probe, tmp_path, capsys):
     path = str(tmp_path / "run")
     assert main(["train", "1v1Restricted", "--out", path, *SHORT]) == 0
@@ -242,6 +247,7 @@ def test_what_a_resumed_run_may_not_change(probe, tmp_path, capsys):
     assert main(["train", "--resume", path, "--out", "elsewhere"]) == 2
 
 
+@pytest.mark.slow
 def test_a_program_of_ones_own_must_stay_the_same(probe, tmp_path, monkeypatch, capsys):
     program, path = tmp_path / "mine.scenic", tmp_path / "run"
     program.write_text("ego = LeftCM\n")
@@ -268,6 +274,7 @@ def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, c
     assert warnings == ["regista: no more updates are recorded: RuntimeError: the viewer is on strike"]
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_sentence_and_keeps_the_checkpoint(probe, tmp_path, monkeypatch, capsys):
     path = tmp_path / "run"
     assert main(["train", "1v1Restricted", "--out", str(path), *SHORT]) == 0
@@ -310,6 +317,7 @@ def test_a_refused_run_leaves_no_folder(kept, tmp_path, monkeypatch, capsys):
     assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == kept
 
 
+@pytest.mark.slow
 def test_an_existing_run_and_files_of_others_stay(probe, tmp_path, monkeypatch):
     def fail(*_):
         raise UsageError("refused")
@@ -326,6 +334,7 @@ def test_an_existing_run_and_files_of_others_stay(probe, tmp_path, monkeypatch):
     assert main(["train", "--resume", str(path)]) == 2 and (path / "config.json").exists()
 
 
+@pytest.mark.slow
 def test_an_open_run_is_locked(probe, tmp_path, capsys):
     path = str(tmp_path / "run")
     assert main(["train", "1v1Restricted", "--out", path, *SHORT]) == 0

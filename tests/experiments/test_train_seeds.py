@@ -183,6 +183,7 @@ def test_what_several_runs_cannot_do_is_refused(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_a_run_is_no_folder_of_runs(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train", *TASK, *SEEDS, "--out", str(two / "plr-3")]) == 1
     assert "plr-3 is a run folder" in capsys.readouterr().err

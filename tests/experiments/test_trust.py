@@ -127,6 +127,7 @@ def test_a_folder_called_as_its_task_is_not_a_task_that_was_named(run, tmp_path)
     assert not marker.exists()
 
 
+@pytest.mark.slow
 def test_trust_is_typed_and_not_remembered(run, capsys):
     evil = run.with_name("stranger") / "evil_task.py"
     folder, marker = forged(run, f"{evil}:make"), write(evil)
@@ -145,6 +146,7 @@ def test_ones_own_runs_need_no_word(run, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_a_note_that_others_may_write_is_none(run, tmp_path):
     notes = tmp_path / "state" / "regista" / "tasks"
     assert trust.allows(f"{tmp_path}/honest_task.py:make")
@@ -172,6 +174,7 @@ def test_nothing_is_imported_to_find_out(tmp_path):
     assert not marker.exists()
 
 
+@pytest.mark.slow
 def test_whoever_trains_for_us_is_told(run):
     words = RunFolder.open(run).argv
     assert words[-1] == "--trust"
@@ -179,6 +182,7 @@ def test_whoever_trains_for_us_is_told(run):
     assert RunFolder.open(run).argv[-1] != "--trust"
 
 
+@pytest.mark.slow
 def test_a_program_of_ours_names_its_task(run, tmp_path):
     out = regista.train(f"{tmp_path}/honest_task.py:make", total_env_steps=16, num_envs=2, eval_every=0, out="other")
     assert (out / "checkpoint.pt").exists()
@@ -191,6 +195,7 @@ def test_a_program_of_ours_names_its_task(run, tmp_path):
     assert marker.exists()
 
 
+@pytest.mark.slow
 def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
@@ -199,6 +204,7 @@ def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
     assert not trust.allows(tasks.canonical("honest_task.py:make"))
 
 
+@pytest.mark.slow
 def test_demonstrations_are_of_football_alone(run, capsys):
     assert main(["demonstrate", "--run", str(run), "--out", "demos"]) == 2
     assert "is a Python task; this command needs a football game" in capsys.readouterr().err
@@ -218,6 +224,7 @@ def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
         assert f"{name} is damaged: it is not a regular file" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_settings_that_are_too_long_are_refused(run, capsys):
     (run / "config.json").write_text("[" * 10_000_001)
     assert main(["evaluate", str(run)]) == 1
@@ -261,6 +268,7 @@ def _own_run(tmp_path):
     return tmp_path / "runs" / "own"
 
 
+@pytest.mark.slow
 def test_own_parts_are_stored_and_need_no_word_of_it_again(own_run, tmp_path, monkeypatch):
     config = RunFolder.open(own_run).config
     assert (config.plr.score, config.ppo.network) == (f"{tmp_path}/parts.py:score", f"{tmp_path}/parts.py:Net")
@@ -316,6 +324,7 @@ def test_no_command_imports_a_part_that_only_a_folder_names(own_run, part, comma
         assert "add --trust to run it" in said
 
 
+@pytest.mark.slow
 def test_a_policy_with_a_network_of_its_user_needs_trust_in_python(own_run, tmp_path, monkeypatch):
     assert regista.load_policy(own_run).act([0.0] * 5) is not None  # named on a command line before
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another user"))

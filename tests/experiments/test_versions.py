@@ -68,6 +68,7 @@ def test_a_run_of_another_version_is_neither_resumed_nor_compared(run, tmp_path,
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_checkpoint_of_another_version_is_not_resumed(run, tmp_path, capsys):
     old = of_version(run, tmp_path / "old", None)
     shutil.copy(run / "config.json", old)

@@ -114,6 +114,7 @@ def test_other_rounds_are_of_other_episodes(run, capsys):
     assert [row["mean_length"] for row in once] != [row["mean_length"] for row in often]
 
 
+@pytest.mark.slow
 def test_episodes_and_minutes_exclude_each_other(run, capsys):
     assert main(["evaluate", str(run), "--minutes", "1", "--episodes", "5"]) == 2
     assert "episodes or minutes, not both" in capsys.readouterr().err

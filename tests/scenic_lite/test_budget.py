@@ -165,6 +165,7 @@ def test_a_text_that_would_take_long_to_read():
 CHAIN = "x = Range(0, 1)\ny = x\nfor i in range(9000):\n    y = y * 1.0001 + 0.5\nego = new Object at y @ 0"
 
 
+@pytest.mark.slow
 def test_many_operations_on_one_draw_need_little_memory():
     program = load(CHAIN, dialect=3)
     theta = np.zeros((4096, 1))
@@ -176,6 +177,7 @@ def test_many_operations_on_one_draw_need_little_memory():
     assert peak < 20e6  # all results at once would be 590 MB
 
 
+@pytest.mark.slow
 def test_what_no_memory_holds_is_refused(monkeypatch):
     monkeypatch.setattr(graph, "MOST_NUMBERS", 10_000)
     program = load(CHAIN, dialect=3)

@@ -183,6 +183,7 @@ def test_points_of_a_region_are_uniform(text, inside, area):
             assert abs(np.mean(points[:, axis] < edge) - share) < 5 * math.sqrt(share * (1 - share) / N) + 0.005
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60)
 @given(some.floats(-100, 100), some.floats(0.001, 100))
 def test_both_ends_of_a_range_belong_to_it_and_nothing_beyond(low, width):

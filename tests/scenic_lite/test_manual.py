@@ -23,6 +23,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", EXAMPLES)
 def test_the_example_does_what_it_promises(block, folder):
     assert not (said := failures(block, folder)), "\n".join(said)

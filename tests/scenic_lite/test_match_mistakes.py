@@ -29,6 +29,7 @@ def answer(text: str) -> str:
     return "\n".join(map(str, (*program.warnings, *compiled.diagnostics))) or "nothing"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.split("\n-----\n")[0][-60:])
 def test_slip(case):
     program, expected = case.rstrip("\n").split("\n-----\n")

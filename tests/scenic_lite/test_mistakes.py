@@ -26,6 +26,7 @@ def answer(program: str) -> str:
     return "no error"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.split("\n-----\n")[0][:40])
 def test_slip(case):
     program, expected = case.rstrip("\n").split("\n-----\n")

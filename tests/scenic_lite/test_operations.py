@@ -114,6 +114,7 @@ def machine_list(*numbers):
     return np.array(numbers, dtype=float), np.array([len(numbers), *range(len(numbers))], dtype=np.uint32), 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(300))
 def test_formulas_in_sector_and_the_machines(seed):
     rng = np.random.default_rng(seed)

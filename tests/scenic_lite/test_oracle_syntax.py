@@ -19,6 +19,7 @@ def expected_error(path):
     return json.loads(expected.read_text()).get(path.stem, {}).get("error", {}) if expected.exists() else {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: f"{path.parent.name}-{path.stem}")
 @pytest.mark.parametrize("dialect", [2, 3])
 def test_program(path, dialect):

@@ -184,6 +184,7 @@ def test_regions_of_any_size_are_no_crash(size):
             assert error.place is not None
 
 
+@pytest.mark.slow
 def test_upright_rectangles_stay_cheap():
     program = load(FIELD + "ego = new Object in field", dialect=3)
     assert not program.tape.steps

@@ -226,6 +226,7 @@ def test_refused(text, message):
     assert message in caught.value.message and caught.value.place is not None
 
 
+@pytest.mark.slow
 def test_shapely_is_loaded_by_polygons_alone():
     code = (
         "import sys\nfrom scenic_lite import load\n"
@@ -236,6 +237,7 @@ def test_shapely_is_loaded_by_polygons_alone():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.slow
 def test_a_point_of_an_empty_region_is_in_no_shape():
     text = """
 workspace = Workspace(RectangularRegion(0@0, 0, 20, 20).difference(CircularRegion(0@0, 4)))

@@ -77,6 +77,7 @@ mutate ego by 0.001
 """
 
 
+@pytest.mark.slow
 def test_a_condition_keeps_the_names_of_its_line_also_inside_functions():
     _, scenes = drawn(BRANCHING, n=400)
     x, y = scenes.positions[:, 0].T
@@ -133,6 +134,7 @@ def test_a_condition_that_branches_is_evaluated_only_where_the_rules_before_it_h
         drawn(branching(after=RARE), n=200)
 
 
+@pytest.mark.slow
 def test_where_it_stands_among_other_rules_changes_no_scene():
     others = "require ego.y > 10\nrequire[0.5] ego.y > 15"
     before, after = (drawn(branching(**{where: others}), n=50)[1] for where in ("before", "after"))

@@ -104,6 +104,7 @@ def test_densities_are_those_of_what_is_drawn(draws, program_parameters):
         assert float(log_prob.mean()) > 0.01  # the divergence from the program
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distribution", ["tanh_gaussian", "beta"])
 def test_densities_of_one_hump_are_relative_to_the_uniform(distribution):
     network = moved(2, distribution=distribution).network
@@ -228,6 +229,7 @@ def test_no_proposals_are_an_empty_array(distribution):
 WIDE = (Column("cell", Choice(*range(70))), *CHOICES, Column("x", Range(0, 1)), Column("other", Choice(*range(90))))
 
 
+@pytest.mark.slow
 def test_choices_of_many_values_are_padded_apart_and_nothing_else_changes(monkeypatch):
     apart, rng = moved(WIDE).network, torch_generator(3)
     assert apart.logits.shape[:2] == (2, 5) and apart.wide_logits.shape[:2] == (2, 90)

@@ -136,6 +136,7 @@ def test_a_resumed_run_on_mazes_goes_on_as_it_would_have(builder):
         assert one.last.theta.tobytes() == other.last.theta.tobytes()
 
 
+@pytest.mark.slow
 def test_a_buffer_may_replay_all_levels():
     for family in (TypedWords(), DeclaredWords()):
         assert len(teacher(family).propose(0)) == 0
@@ -145,6 +146,7 @@ def test_a_buffer_may_replay_all_levels():
     assert replayed[-1] > 0
 
 
+@pytest.mark.slow
 def test_proposals_that_wait_are_few():
     method = METHODS["paired"].load()(Mazes(4, MAZES), SMALL, settings_of("paired", "steps"), 0)
     for _ in range(12):

@@ -44,6 +44,7 @@ def test_paired_trains_both_students_on_poles_of_its_choice():
     assert before < 50 and min(after) > 3 * before and np.mean(after) > 300
 
 
+@pytest.mark.slow
 def test_a_run_on_gymnasium_environments_is_saved_without_their_insides(tmp_path):
     method = Paired(cartpole(4), PPO, seed=0)
     method.update()

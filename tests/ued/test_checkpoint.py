@@ -194,6 +194,7 @@ def equal(left, right):
     return left.keys() == right.keys() and all(left[k] == right[k] or left[k] != left[k] for k in left)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAKE)
 def test_a_resumed_run_gives_the_same_numbers(tmp_path, name):
     whole = MAKE[name](1)
@@ -209,6 +210,7 @@ def test_a_resumed_run_gives_the_same_numbers(tmp_path, name):
     assert same(checkpoint.encode(whole.state_dict()), checkpoint.encode(resumed.state_dict()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAKE)
 def test_a_state_is_a_snapshot(name):
     method = MAKE[name](1)
@@ -222,6 +224,7 @@ def test_a_state_is_a_snapshot(name):
     assert same(state, before)
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_from_its_state_after_an_update_that_broke_off(monkeypatch):
     method, untouched = MAKE["paired"](1), MAKE["paired"](2)
     method.update()

@@ -80,6 +80,7 @@ def test_rare_actions_can_weigh_more(weights, told):
     assert ratio == pytest.approx({"none": 1.0, "sqrt": 15**0.5, "balanced": 15.0}[weights], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_critic_learns_what_came_of_it():
     data = steps(2000)
     returns = (data.observation[:, 2] > 5).float()

@@ -10,6 +10,7 @@ from ued.methods.dr import DR
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
 
 
+@pytest.mark.slow
 def test_a_level_for_every_episode_drawn_evenly():
     method = DR(HalfValid(64), PPO, seed=0)
     theta = np.concatenate([(method.update(), method.last.theta)[1] for _ in range(10)])

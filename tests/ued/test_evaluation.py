@@ -26,6 +26,7 @@ def student_for(env):
     return Student(*spaces, PPOConfig(hidden_size=8), torch_generator(0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("num_envs", "episodes"), [(4, 203), (16, 5), (7, 7), (1, 6)])
 def test_every_episode_is_played_to_its_end(num_envs, episodes):
     env = Lengths(num_envs)
@@ -77,6 +78,7 @@ def test_what_cannot_be_evaluated_is_refused(monkeypatch):
         evaluate(student_for(env), env, 1, seed=0)
 
 
+@pytest.mark.slow
 def test_levels_are_announced_in_the_order_of_play_once_and_before_they_are_played(monkeypatch):
     env, events = Lengths(7), []
     reset_to_levels = env.reset_to_levels

@@ -41,6 +41,7 @@ def flat(net: nn.Module) -> Tensor:
     return torch.cat([weight.detach().flatten() for weight in net.parameters()])
 
 
+@pytest.mark.slow
 def test_steps_are_those_of_torch() -> None:
     (ours, state, norms), (theirs, other, wanted) = trained(True, 30), trained(False, 30)
     assert torch.equal(flat(ours), flat(theirs))
@@ -50,6 +51,7 @@ def test_steps_are_those_of_torch() -> None:
         assert all(torch.equal(state["state"][weight][name], value) for name, value in known.items())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False])
 def test_either_goes_on_from_the_other(first: bool) -> None:
     net, state, _ = trained(first, 7)

@@ -42,6 +42,7 @@ def twins(draws, others):
     return one, two
 
 
+@pytest.mark.slow
 def test_permuted_options_learn_the_same_from_the_same_draws():
     one, two = twins((choice(1, 25, 25), *numbered("x", 1)), (choice(25, 1, 25), *numbered("x", 1)))
     rng, there = np.random.default_rng(0), np.array([1, 0, 2])  # where in the other list each option is
@@ -62,6 +63,7 @@ def test_permuted_options_learn_the_same_from_the_same_draws():
     assert np.abs(densities[0].numpy()).max() > 0.2
 
 
+@pytest.mark.slow
 def test_a_mirrored_range_learns_the_same_from_mirrored_draws():
     one, two = twins(numbered("x", 2), numbered("x", 2))
     rng = np.random.default_rng(0)
@@ -188,6 +190,7 @@ def edited_names(draw, rng):
     return {name: float((index == k).mean()) for k, name in enumerate(draw.options)}
 
 
+@pytest.mark.slow
 def test_an_edit_draws_another_option_by_weight_whatever_the_order():
     rng = np.random.default_rng(0)
     for order in ((0, 1, 2), (1, 0, 2), (2, 1, 0)):

@@ -217,6 +217,7 @@ def test_it_resumes_bit_for_bit_in_the_middle_of_a_plan(tmp_path):
     assert method.curriculum.lesson == 1
 
 
+@pytest.mark.slow
 def test_the_plan_of_all_levels_is_domain_randomization():
     """But for the stream that draws them."""
     method = Lessons(frontier(), PPO, LessonsConfig(plan=("all",)), 0)

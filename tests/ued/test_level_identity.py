@@ -242,6 +242,7 @@ def test_luck_is_the_same_for_all_students_and_new_otherwise(method, adapter):
         assert students == 1 and episodes >= 1
 
 
+@pytest.mark.slow
 def test_an_edited_level_keeps_the_seed_of_its_parent():
     method = METHODS["accel"].load()(rooms(), PPO, SETTINGS["accel"], seed=0)
     parents, children = {}, []
@@ -257,6 +258,7 @@ def test_an_edited_level_keeps_the_seed_of_its_parent():
         assert child["level"]["seed"] == parent["seed"] and (child["level"]["theta"] != parent["theta"]).any()
 
 
+@pytest.mark.slow
 def test_a_buffer_tells_levels_of_one_theta_apart_by_their_layouts():
     method = METHODS["plr"].load()(rooms(), PPO, ued.PLRConfig(buffer=ued.BufferConfig(capacity=64)), seed=0)
     for _ in range(12):

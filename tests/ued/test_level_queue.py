@@ -71,6 +71,7 @@ def test_every_level_is_finished_once_with_the_returns_made_on_it():
     assert (finished["num_played"] == 2).all()
 
 
+@pytest.mark.slow
 def test_long_episodes_are_not_left_out():
     """Levels alternate between 1 and 40 steps. Taking what ends in a rollout of 16 would see the short ones alone."""
     queue = make_queue(num_envs=16)

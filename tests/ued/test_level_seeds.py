@@ -136,6 +136,7 @@ def test_a_wrapped_environment_repeats_a_level():
     assert env.unwrapped.luck != first
 
 
+@pytest.mark.slow
 def test_stable_baselines_and_torchrl_play_levels_with_layouts():
     stable = pytest.importorskip("stable_baselines3")
     pytest.importorskip("torchrl")
@@ -157,6 +158,7 @@ def test_stable_baselines_and_torchrl_play_levels_with_layouts():
 # ---------------------------------------------------------------- edges
 
 
+@pytest.mark.slow
 def test_members_of_a_mixture_keep_the_seeds_that_their_levels_are():
     method = METHODS["accel"].load()(
         Mixture([GymUPOMDP(Rooms, None, ued.Seeds(5), 4), GymUPOMDP(Rooms, None, ued.Seeds(5, 100), 4)], ["a", "b"]),

@@ -158,6 +158,7 @@ def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tm
     assert repr([numbers(twin.update()) for _ in range(2)]) == repr([numbers(method.update()) for _ in range(2)])
 
 
+@pytest.mark.slow
 def test_a_student_is_kept_close_to_another_that_remembers_in_its_own_way():
     method = DR(Corridor(8), QUICK, seed=0)
     method.fill_rollouts()  # begins with episodes, so that there is nothing that another could not know

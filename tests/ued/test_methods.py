@@ -154,6 +154,7 @@ def test_robust_methods_learn_nothing_from_new_levels(name):
     assert all(changed(method.students[each], old) for each, old in before.items())
 
 
+@pytest.mark.slow
 def test_robust_plr_learns_from_exactly_the_replayed_steps():
     method = METHODS["robust_plr"](frontier())
     while method.curriculum.buffer.fill_ratio < 0.5:
@@ -240,6 +241,7 @@ def test_self_regret_compares_later_with_earlier_episodes():
     assert (seen[0]["score"] == returns[:, 2:].max(1) - returns[:, :2].mean(1)).all()
 
 
+@pytest.mark.slow
 def test_regret_is_antagonist_minus_protagonist_on_a_scripted_pair():
     method = METHODS["paired_scripted"](frontier())
     seen = observed(method)

@@ -192,6 +192,7 @@ def test_an_adversary_chooses_among_programs_without_parameters():
     assert adversary.learn(proposals, (proposals.raw[:, 0] == 1).astype(float))["grad_norm"] > 0
 
 
+@pytest.mark.slow
 def test_programs_without_columns_are_replayed_although_they_never_fill_a_buffer():
     env = Mixture([Choice(8), Choice(8)], ["one", "other"])
     method = RobustPLR(env, PPO, PLRConfig(buffer=BufferConfig(capacity=64)))

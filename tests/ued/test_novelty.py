@@ -229,6 +229,7 @@ def test_levels_that_lead_to_rare_states_are_replayed_more(base):
     assert shares[1.0] > 2 * shares[0.0]
 
 
+@pytest.mark.slow
 def test_plr_edits_nothing():
     method = CENIE(Corners(), PPO, CENIEConfig(base="plr", buffer=BufferConfig(capacity=20)), seed=0)
     assert not any(method.update()["levels/edited"] for _ in range(10)) and method.buffer.replays

@@ -34,6 +34,7 @@ def test_the_adversary_moves_to_where_regret_is():
     assert last["regret/luck"] == pytest.approx(last["regret"], abs=0.06)  # there is no skill in this landscape
 
 
+@pytest.mark.slow
 def test_both_students_play_the_same_levels_and_all_steps_count():
     method = Paired(Free(32), PPO, PairedConfig(episodes_per_level=3, adversary=BRIEF), seed=0)
     for _ in range(15):
@@ -87,6 +88,7 @@ def lessons_of(config, env=None, updates=4):
     return lessons, np.concatenate([records for _, records in updated]), [metrics for metrics, _ in updated]
 
 
+@pytest.mark.slow
 def test_random_levels_are_mixed_in_and_teach_the_adversary_nothing():
     lessons, records, metrics = lessons_of(PairedConfig(dr_fraction=0.5, adversary=BRIEF))
     random = records["origin"] == Origin.RANDOM
@@ -95,6 +97,7 @@ def test_random_levels_are_mixed_in_and_teach_the_adversary_nothing():
     assert sum(len(scores) for _, scores in lessons) == (~random).sum()
 
 
+@pytest.mark.slow
 def test_an_invalid_proposal_is_neither_played_nor_learned_from():
     lessons, records, metrics = lessons_of(PairedConfig(dr_fraction=0.0, adversary=BRIEF), HalfValid(64))
     replaced = records["origin"] == Origin.REPLACED
@@ -117,12 +120,14 @@ def test_a_penalty_teaches_the_adversary_what_is_valid():
     assert share[0] > 0.4 and np.mean(share[-5:]) < 0.2
 
 
+@pytest.mark.slow
 def test_too_few_levels_wait_for_more():
     method = Paired(Landscape(64), PPO, PairedConfig(adversary=AdversaryConfig(min_batch=500, update_epochs=2)), seed=0)
     learned = ["adversary/entropy" in method.update() for _ in range(12)]
     assert not learned[0] and any(learned) and not all(learned)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_numbers():
     def run(seed):
         method = Paired(Landscape(16), PPO, PairedConfig(dr_fraction=0.2, adversary=BRIEF), seed=seed)

@@ -84,6 +84,7 @@ def test_the_value_can_be_clipped_torsos_shared_and_updates_stopped():
     assert probability(student, 1.0) > 0.9
 
 
+@pytest.mark.slow
 def test_the_learning_rate_falls_to_nothing():
     env = Constant(8)
     method = DR(env, dataclasses.replace(QUICK, anneal_env_steps=16 * 8 * 4))

@@ -194,6 +194,7 @@ def test_gradients_by_hand_are_those_of_autograd(shared_torso, hidden_layers):
 FROZEN = ["actor_torso", "critic_torso", "actor.", "critic.", "actor", "critic", "actor_torso.0.bias"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shared_torso", [False, True])
 @pytest.mark.parametrize("frozen", FROZEN)
 def test_frozen_weights_get_no_gradient_and_stay_as_they_are(frozen, shared_torso):

@@ -155,6 +155,7 @@ def test_truncated_gradients_are_those_of_a_loop_that_stops_them(
     assert any(not torch.allclose(one, other, rtol=1e-3) for one, other in zip(found, untruncated, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1, 4])
 def test_the_memory_at_cuts_is_what_was_played(size):
     method = filled(1, "independent", "own", False)

@@ -119,6 +119,7 @@ def trained(method, ppo, config=None, updates=4, unit=1000.0):
     return made, np.concatenate(records), metrics
 
 
+@pytest.mark.slow
 def test_what_a_student_learns_does_not_depend_on_the_unit_of_rewards():
     """Up to the epsilon of the variance, and as powers of two: 32 bits round them alike."""
     (one, _, _), (other, _, _) = (trained(DR, NORMED, unit=2.0**power) for power in (3, 12))
@@ -142,12 +143,14 @@ def test_returns_and_scores_are_in_raw_units(score):
         assert 10 < method.buffer.slots["score"].max() < 1100  # 1000 - V
 
 
+@pytest.mark.slow
 def test_regret_is_in_raw_units():
     _, records, _ = trained(Paired, NORMED)
     assert set(np.unique(records["score"] % 125)) <= {0.0}  # of returns of 0 and 1000, two students, two episodes
     assert records["score"].max() > 100
 
 
+@pytest.mark.slow
 def test_it_resumes_bit_for_bit(tmp_path):
     method, _, _ = trained(PLR, NORMED, updates=3)
     checkpoint.save(tmp_path / "c.pt", method.state_dict())

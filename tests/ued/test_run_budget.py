@@ -145,6 +145,7 @@ def test_a_run_that_is_resumed_begins_at_the_same_step(name):
             }
 
 
+@pytest.mark.slow
 def test_replay_that_has_begun_goes_on_in_a_run_that_is_extended():
     total = 60 * LONG
     method = made("robust_plr", env_steps=total)

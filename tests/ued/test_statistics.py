@@ -88,6 +88,7 @@ def test_few_values_have_no_interval(count):
         bootstrap(np.zeros((0, 3)), np.random.default_rng(0))
 
 
+@pytest.mark.slow
 def test_a_difference_of_methods():
     rng = np.random.default_rng(0)
     better, worse = 1 + 0.1 * rng.normal(size=(8, 5)), 0.1 * rng.normal(size=(6, 5))

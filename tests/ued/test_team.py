@@ -114,6 +114,7 @@ def test_a_stack_of_one_layer_is_that_layer():
 # ---------------------------------------------------------------- several
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shared_torso", [False, True])
 def test_each_agent_of_an_independent_team_learns_as_if_alone(shared_torso):
     """The same rollout, the same minibatches: the weights of the team are those of three students by themselves."""

@@ -137,6 +137,7 @@ class Batch(VectorEnv):
         return np.stack(seen), *map(np.array, rest), info
 
 
+@pytest.mark.slow
 def test_a_batch_that_is_simulated_together_reads_arrays(reference):
     make = lambda count: Batch(count, AutoresetMode.DISABLED)  # noqa: E731
     assert_alike(trained(VectorUPOMDP(make, "arrays", KINDS, 4)), reference)

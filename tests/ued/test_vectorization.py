@@ -35,6 +35,7 @@ def both():
     environments[1].close()
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_numbers(both):
     rng = np.random.default_rng(0)
     firsts = [env.reset(seed=3)[0] for env in both]

@@ -62,6 +62,7 @@ def test_observations_are_those_of_our_own_simulator(python, representation):
         assert real.observation_space.contains(seen)
 
 
+@pytest.mark.slow
 def test_places_teams_and_roles_are_those_of_the_program(python):
     real, ours = make(python), make(python, engine="regista")
     theta = real.sample_theta(2)
@@ -73,6 +74,7 @@ def test_places_teams_and_roles_are_those_of_the_program(python):
         np.testing.assert_allclose(real.matches["ball"][name], ours.matches["ball"][name], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_episode_has_as_many_steps_as_the_program_says(python):
     env = make(python)
     env.reset(seed=0)
@@ -83,6 +85,7 @@ def test_an_episode_has_as_many_steps_as_the_program_says(python):
     assert not np.array_equal(info["final_obs"], env.observe())
 
 
+@pytest.mark.slow
 def test_a_copy_and_a_resumed_state_play_on_bit_for_bit(python):
     env = make(python)
     env.reset(seed=0)
@@ -99,6 +102,7 @@ def test_a_copy_and_a_resumed_state_play_on_bit_for_bit(python):
         assert same(env.matches, twin.matches) and same(env.matches, resumed.matches)
 
 
+@pytest.mark.slow
 def test_episodes_of_a_level_differ_but_for_the_same_seed(python):
     env = make(python)
     ends = []
@@ -111,6 +115,7 @@ def test_episodes_of_a_level_differ_but_for_the_same_seed(python):
     assert (ends[0][0] != ends[0][1]).any() and (ends[0] != ends[2]).any()
 
 
+@pytest.mark.slow
 def test_a_state_of_the_simulator_is_refused(python):
     ours, real = make(python, engine="regista"), make(python)
     ours.reset(seed=0)
@@ -145,6 +150,7 @@ def test_episodes_that_do_not_fit_are_refused(python, change, message):
     env.set_state(state)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("control", "behavior", "agents"),
     [
@@ -232,6 +238,7 @@ def test_theta_sets_the_scene_of_a_single_match(python):
     env.close()
 
 
+@pytest.mark.slow
 def test_a_record_is_replayed_by_the_engine_of_this_machine(python, tmp_path, monkeypatch):
     env = make(python)
     env.reset(seed=0)
@@ -245,6 +252,7 @@ def test_a_record_is_replayed_by_the_engine_of_this_machine(python, tmp_path, mo
     assert len(list(replay(tmp_path / "match.npz"))) == 13
 
 
+@pytest.mark.slow
 def test_the_command_line_plays_on_the_other_engine(python, tmp_path, capsys):
     (tmp_path / "scene.scenic").write_text(PROGRAM)
     words = ["play", str(tmp_path / "scene.scenic"), "--engine", "grf", "--grf-python", python, "--grf-workers", "1"]
@@ -315,6 +323,7 @@ param left_team_difficulty = Range(0.2, 0.4), right_team_difficulty = Range(0, 1
 """
 
 
+@pytest.mark.slow
 def test_random_settings_are_those_of_the_own_match(python):
     env = make(python, DRAWN + PROGRAM.replace("param game_duration = 9\n", ""))
     theta = np.zeros((2, env.theta_dim))

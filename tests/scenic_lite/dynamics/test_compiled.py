@@ -28,12 +28,14 @@ BASE = FOOTBALL_WORLD.actions or 0
 OPEN = Path(__file__).resolve().parents[2] / "oracle/open"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(feature_programs.BODIES))
 def test_a_feature_gives_the_same_commands(name):
     found, _ = differences(feature_programs.program(name), range(4), steps=26)
     assert found == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(python_programs.PROGRAMS))
 def test_more_of_python_gives_the_same_commands(name):
     found, _ = differences(python_programs.text_of(name), range(3), steps=24)
@@ -60,11 +62,13 @@ def test_random_values_of_modules_and_classes_are_those_of_the_scene(tmp_path):
     assert found == []
 
 
+@pytest.mark.slow
 def test_watchers_give_the_same_verdicts():
     found, _ = differences(feature_programs.watched_program(), range(40), steps=34)
     assert found == []
 
 
+@pytest.mark.slow
 def test_every_opcode_is_used():
     texts = [*map(feature_programs.program, feature_programs.BODIES), feature_programs.watched_program(), FAULTY]
     used = {op for text in texts for op in differences(text, range(1), steps=3)[1].code.rows[:, 0].tolist()}
@@ -81,6 +85,7 @@ def seeds(count, quick):
     return [seed if seed < quick else pytest.param(seed, marks=pytest.mark.slow) for seed in range(count)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(60, quick=12))
 def test_generated_programs_give_the_same_commands(seed):
     text = generated(seed)
@@ -144,6 +149,7 @@ def random_worlds(rng: np.random.Generator, objects: int, steps: int):
         yield table, np.array([known.get(name, float(rng.integers(0, 2))) for name in facts])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", list(sampled(DYNAMIC)))
 def test_football_programs_give_the_same_commands(path):
     program = load(path, FOOTBALL)
@@ -353,6 +359,7 @@ ONE_OF_SEVERAL = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(ONE_OF_SEVERAL))
 def test_a_list_chosen_by_chance_is_a_list(name):
     text = f"x = Uniform([1, 2], [3, 4, 5])\nbehavior Main():\n    while True:\n        {ONE_OF_SEVERAL[name]}\n"

@@ -18,6 +18,7 @@ from tests.scenic_lite.dynamics.scenario_programs import BODIES, PARTS, RECORDS,
 from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(BODIES))
 def test_the_machine_does_as_the_reference(name):
     found, compiled = differences(program(name), range(6), steps=20)

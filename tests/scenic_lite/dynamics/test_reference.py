@@ -276,6 +276,7 @@ def test_the_program_is_as_it_was_loaded_outside_of_episodes():
 # ------------------------------------------------------------ faults
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "line", "words"),
     [

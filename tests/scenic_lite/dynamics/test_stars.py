@@ -49,6 +49,7 @@ ego = new Object at 0 @ 0, with behavior B()
 PROGRAMS = {"of the scene": SCENE_LISTS, "of the match": MATCH_LISTS, "of behaviors": CHOSEN_BEHAVIORS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_stars_of_lists(name):
     found, compiled = differences(PROGRAMS[name], range(8), steps=20)
