@@ -42,22 +42,7 @@ METHOD_COLORS = {name: row.color for name, row in METHODS.items()} | {k: color f
 OTHER_COLOR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of things other than methods
-MARKERS = {  # of methods' curves
-    "dr": "o",
-    "paired": "s",
-    "plr": "^",
-    "robust_plr": "D",
-    "accel": "v",
-    "sfl": "P",
-    "minimax": "X",
-    "paired_literal": "<",
-    "self_regret": "*",
-    "repaired": "p",
-    "cenie": ">",
-    "ncc": "h",
-    "alp_gmm": "8",
-    "lessons": "d",
-}
+MARKERS = {name: row.marker for name, row in METHODS.items()}  # of their curves
 SLIGHT = {"*": 1.7, "X": 1.2, "P": 1.2, "p": 1.15}  # size factors of markers that look smaller than others
 MANY = 5  # minimum number of methods in a picture for markers on curves
 BETWEEN_MARKERS = 0.12  # distance on a curve, relative to the diagonal of its axes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.pictures.scene_view import SceneView, arrows, corners
+from regista.experiments.pictures.scene_view import LABELED, SceneView, arrows, corners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
 TITLE_GAP = 2.2  # in font sizes, between rows of panels; separates titles from the panels above
-LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:

@@ -14,11 +14,11 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
+from regista.experiments.pictures.scene_view import LABELED
 from ued.recorder.layout import blueprint, plane_view, recording
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
-LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 class SceneStage(Protocol):

@@ -21,6 +21,7 @@ Color = tuple[int, int, int]
 
 MARGIN = 0.06  # around all points, relative to width and height
 PROBES = 256  # random scenes for estimating the extent of the objects
+LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 SMALLEST = 0.018  # minimum size of drawn objects, relative to the width
 PALETTE: tuple[Color, ...] = (
     (31, 119, 208),
