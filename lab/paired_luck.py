@@ -4,15 +4,18 @@ PAIRED trains on football. At some points of a run, both students play the same 
 environment seed in each pair of episodes, as in training, and once with different seeds. Students sample their actions
 from separate streams in both cases. Each point of each run has a row with the variance of antagonist - protagonist
 within a level, with the same and with different seeds. It also has the variance of the default regret from n episodes
-of each.
+of each. At the end, or of stored rows with --table, it prints the share of variance that the same seeds remove, as the
+mean of each game's runs and points.
 
     python -m lab.paired_luck --csv lab/results/paired_luck.csv
+    python -m lab.paired_luck --csv lab/results/paired_luck.csv --table
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,7 @@ from typing import Any
 import numpy as np
 import torch
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import arguments, build
 from ued.evaluation import evaluate
 from ued.levels.record import Origin
@@ -78,7 +82,13 @@ def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
         proposed = proposed["level"][proposed["origin"] == Origin.PROPOSED][: LEVELS // 2]
         levels = np.concatenate([test.sample_levels(LEVELS // 2), proposed])
         same, other = returns(method, test, levels, (1, 1)), returns(method, test, levels, (1, 2))
-        row = {"game": game, "seed": seed, "env_steps": point, "success": float((same > 0).mean())}
+        row = {
+            "game": game,
+            "simulator": SIMULATOR_VERSION,
+            "seed": seed,
+            "env_steps": point,
+            "success": float((same > 0).mean()),
+        }
         row |= {"same": spread(same), "other": spread(other)}
         for count in COUNTS:
             row |= {f"regret_{count}_same": spread(same, count), f"regret_{count}_other": spread(other, count)}
@@ -87,22 +97,45 @@ def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
     return rows
 
 
+def removed(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return a Markdown table: by game, the share of variance that the same seeds remove, in percent."""
+    table = ["| game | one episode of each | default regret, 2 episodes of each |", "|---|---|---|"]
+    for game in dict.fromkeys(row["game"] for row in rows):
+        mine = [row for row in rows if row["game"] == game]
+        shares = [
+            100 * (1 - np.mean([float(row[same]) for row in mine]) / np.mean([float(row[other]) for row in mine]))
+            for same, other in (("same", "other"), ("regret_2_same", "regret_2_other"))
+        ]
+        table.append("| " + " | ".join([game, *(f"{share:.0f}%" for share in shares)]) + " |")
+    return table
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--games", nargs="+", default=GAMES)
     parser.add_argument("--seeds", type=int, default=3, help="runs of each game, with seeds 1000, 1001, ...")
     parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--table", action="store_true", help="print the table of the stored rows, without training")
     parsed = parser.parse_args()
+    if not parsed.table:
+        measure(parsed.games, parsed.seeds, parsed.csv)
+    with open(parsed.csv, newline="") as file:
+        print("\n".join(removed(list(csv.DictReader(file)))))
+
+
+def measure(games: Sequence[str], seeds: int, path: Path) -> None:
+    """Train all runs, and write their rows."""
     torch.set_num_threads(1)
-    with open(parsed.csv, "w", newline="") as file:
+    with open(path, "w", newline="") as file:
         writer = None
-        for game in parsed.games:
-            for seed in range(1000, 1000 + parsed.seeds):
+        for game in games:
+            for seed in range(1000, 1000 + seeds):
                 for row in rows_of(game, seed):
                     writer = writer or csv.DictWriter(file, list(row))
                     if file.tell() == 0:
                         writer.writeheader()
                     writer.writerow(row)
+                file.flush()
 
 
 if __name__ == "__main__":
