@@ -111,12 +111,15 @@ def evaluations(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, nargs="?", help="of the comparison; without: the stored rows")
+    parser.add_argument(
+        "folder", type=Path, nargs="?", help="of the comparison, or a file of its rows; without: stored rows"
+    )
     parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md, picture and rows")
     typed = parser.parse_args()
-    if typed.publish and typed.folder is None:
+    if typed.publish and (typed.folder is None or typed.folder.is_file()):
         parser.error("--publish needs the folder of the comparison")
-    stored = ROWS if typed.folder is None else typed.folder / "results.csv"
+    stored = typed.folder or ROWS
+    stored = stored / "results.csv" if stored.is_dir() else stored
     rows = [row for row in read_rows(stored) if row["scene"] == SCENE and row["updates"] != "0"]
     methods = list(dict.fromkeys(row["method"] for row in rows))
     rates = {
