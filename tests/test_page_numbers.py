@@ -1,6 +1,7 @@
 """Tests that every number on a page has a source: a generated table, or a mark that names a command or a file.
 
-Numbers are percentages, decimals, signed numbers, intervals and percentage points. A generated table of the page, or of
+Numbers are percentages, decimals, signed numbers, intervals and percentage points. An interval is one number: a table
+has it with both ends. A generated table of the page, or of
 a page that it links to, is a source. So is a mark `<!-- source: COMMAND OR FILE -->` in the paragraph, item or table.
 For a complete page, `<!-- source of this page: COMMAND OR FILE -->` stands above the first section. Read next:
 `test_prose`.
@@ -25,7 +26,14 @@ DEFINED = re.compile(  # not measured: code, ranges, confidence levels, 0% and 1
 # A name and its number: versions, figures, licenses
 VERSION = re.compile(r"\b(?:[A-Z][\w-]*|[a-z]+(?:-[a-z]+)+)\]?(?: below)?[ -]\d[\d.]*(?:,?(?: and| or| to)? \d[\d.]*)*")
 MARK = re.compile(r"<!-- source: (.+?) -->")
+INTERVAL = re.compile(rf"\[[-+]?({NUMBER})%?, [-+]?({NUMBER})%?\]")
 PAGE_MARK = re.compile(r"<!-- source of this page: (.+?) -->")
+
+
+def numbers(text):
+    """Return the numbers of a text without signs. An interval is one, its lesser end first: -9 [-12, -6] is 9 less."""
+    pairs = [sorted(pair, key=lambda end: float(end.replace(",", ""))) for pair in INTERVAL.findall(text)]
+    return [f"[{low}, {high}]" for low, high in pairs] + re.findall(NUMBER, INTERVAL.sub("", text))
 
 
 def known(path):
@@ -35,7 +43,7 @@ def known(path):
         file = link.partition("#")[0]
         linked += [(path.parent / file).resolve()] if file.endswith(".md") else []
     tables = (table[1] for page in linked if page.is_file() for table in GENERATED.finditer(page.read_text()))
-    return set(re.findall(NUMBER, "\n".join(tables)))
+    return set(numbers("\n".join(tables)))
 
 
 def without_source(text, known):
@@ -46,8 +54,8 @@ def without_source(text, known):
     for paragraph in re.split(r"\n\s*\n|\n(?=- )", prose(GENERATED.sub("", text))):
         if not MARK.search(paragraph):
             plain = VERSION.sub("", said(DEFINED.sub("", paragraph)))
-            missing = [number for each in MEASURED.findall(plain) for number in re.findall(NUMBER, each)]
-            missing = [number for number in missing if number not in known]
+            measured = [number for each in MEASURED.findall(plain) for number in numbers(each)]
+            missing = [number for number in measured if number not in known]
             lines += [f"{', '.join(missing)}: {paragraph[:80]}"] if missing else []
     return lines
 
@@ -76,9 +84,10 @@ def test_sources_exist(name):
 
 def test_a_number_without_a_source_is_found():
     page = "# A\n\nDR solves 84%.\n\n- PAIRED gains +5 points [-1, +12].\n\nPython 3.11 or 3.12, θ in [-1, 1].\n"
-    assert [line.partition(":")[0] for line in without_source(page, set())] == ["84", "5, 1, 12"]
-    assert without_source(page, {"84", "5", "1", "12"}) == []
-    assert without_source(page.replace("DR", "<!-- source: a.py -->\nDR"), {"5", "1", "12"}) == []
+    assert [line.partition(":")[0] for line in without_source(page, set())] == ["84", "5, [1, 12]"]
+    assert without_source(page, {"84", "5", "1", "12"}) == ["[1, 12]: - PAIRED gains +5 points [-1, +12]."]
+    assert without_source(page, {"84", "5", "[1, 12]"}) == []
+    assert without_source(page.replace("DR", "<!-- source: a.py -->\nDR"), {"5", "[1, 12]"}) == []
     assert without_source(f"<!-- source of this page: make demo -->\n{page}", set()) == []
     assert without_source(f"{page}\n## B\n\n<!-- source of this page: make demo -->\n", set()) != []
     table = "<!-- study: fast, teams -->\n| 84% |\n<!-- end -->\n"
