@@ -4,8 +4,8 @@ PAIRED trains on football. At some points of a run, both students play the same 
 environment seed in each pair of episodes, as in training, and once with different seeds. Students sample their actions
 from separate streams in both cases. Each point of each run has a row with the variance of antagonist - protagonist
 within a level, with the same and with different seeds. It also has the variance of the default regret from n episodes
-of each. At the end, or of stored rows with --table, it prints the share of variance that the same seeds remove, as the
-mean of each game's runs and points.
+of each. At the end, or of stored rows with --table, it prints the share of variance that the same seeds remove: of the
+mean variances of each game, and in parentheses the range over runs.
 
     python -m lab.paired_luck --csv lab/results/paired_luck.csv
     python -m lab.paired_luck --csv lab/results/paired_luck.csv --table
@@ -98,15 +98,19 @@ def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
 
 
 def removed(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return a Markdown table: by game, the share of variance that the same seeds remove, in percent."""
-    table = ["| game | one episode of each | default regret, 2 episodes of each |", "|---|---|---|"]
+    """Return a Markdown table: by game, the share of variance that the same seeds remove, and its range over runs."""
+    table = ["| game | difference of two episodes | default regret, 2 episodes of each |", "|---|---|---|"]
     for game in dict.fromkeys(row["game"] for row in rows):
-        mine = [row for row in rows if row["game"] == game]
-        shares = [
-            100 * (1 - np.mean([float(row[same]) for row in mine]) / np.mean([float(row[other]) for row in mine]))
-            for same, other in (("same", "other"), ("regret_2_same", "regret_2_other"))
-        ]
-        table.append("| " + " | ".join([game, *(f"{share:.0f}%" for share in shares)]) + " |")
+        cells = []
+        for name in ("", "regret_2_"):
+            runs: dict[str, list[tuple[float, float]]] = {}
+            for row in rows:
+                if row["game"] == game:
+                    runs.setdefault(row["seed"], []).append((float(row[f"{name}same"]), float(row[f"{name}other"])))
+            variances = np.array([np.mean(points, 0) for points in runs.values()])  # [R, 2]
+            whole, single = (100 - 100 * of[..., 0] / of[..., 1] for of in (variances.mean(0), variances))
+            cells.append(f"{whole:.0f}% ({single.min():.0f} to {single.max():.0f}%)")
+        table.append("| " + " | ".join([game, *cells]) + " |")
     return table
 
 
