@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from regista.experiments.__main__ import main
-from regista.experiments.run.launch.signals import Watchdog
+from regista.experiments.run.launch.signals import Watchdog, interruptible
 from regista.experiments.run.table import read_rows
 from tests.attacks.interrupts import children, started
 
@@ -210,6 +210,18 @@ def test_a_process_that_is_forked_meanwhile_does_not_wake_the_watchdog():
         os.kill(pid, signal.SIGKILL)
         os.waitpid(pid, 0)
         signal.signal(signal.SIGTERM, before)
+
+
+def test_sigterm_ends_a_process_that_is_forked_meanwhile():
+    """The workers of a user's AsyncVectorEnv, which would otherwise report our handler's error as their own."""
+    with interruptible():
+        pid = os.fork()
+        if not pid:
+            time.sleep(60)
+            os._exit(0)
+        os.kill(pid, signal.SIGTERM)
+        _, status = os.waitpid(pid, 0)
+    assert os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGTERM
 
 
 def test_a_command_that_is_left_in_time_goes_on():

@@ -71,11 +71,11 @@ def test_ends_may_be_numbers(kind):
 def test_arrays_of_any_length_may_be_in_the_info():
     class Growing(Env):
         def info(self):
-            return {"path": np.zeros(self.t), "success": 0.5}
+            return {"path": np.zeros(self.t), "success": 1.0}
 
     method = ued.DR(ued.GymUPOMDP(Growing, ignore, 1, 3), BRIEF, seed=0)
     method.update()
-    assert (method.last.records["success"][:, 0, 0] == 0.5).all()
+    assert (method.last.records["success"][:, 0, 0] == 1.0).all()
 
 
 def test_a_luck_function_returns_an_observation_of_the_environment_itself():

@@ -13,7 +13,8 @@ import gymnasium
 import numpy as np
 
 from ued.adapters.gym import UPOMDPWrapper
-from ued.adapters.level_env import success_from_info
+from ued.adapters.level_env import level_in_words
+from ued.adapters.success import SuccessReports
 from ued.core.curriculum import Curriculum
 from ued.core.level_space import as_void_view
 from ued.core.resumable import Resumable
@@ -100,6 +101,10 @@ class CurriculumWrapper(gymnasium.Wrapper):
         self.feed = feed
         self.record: np.ndarray | None = None  # [1] of the level being played
         self.total = 0.0
+        self._reports = SuccessReports(self._level)
+
+    def _level(self, _: int) -> str:
+        return level_in_words(self.env.theta_map, self.env.start.theta, self.env.start.seed)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on the current level; `options["theta"]` and `["level"]` override the curriculum.
@@ -126,7 +131,7 @@ class CurriculumWrapper(gymnasium.Wrapper):
         if (terminated or truncated) and self.record is not None:
             num_played = int(self.record["num_played"][0, 0])
             self.record["returns"][0, 0, num_played] = self.total
-            self.record["success"][0, 0, num_played] = success_from_info(info)
+            self.record["success"][0, 0, num_played] = self._reports.read(info, np.ones(1, bool))[0]
             self.record["num_played"][0, 0] = num_played + 1
             if num_played + 1 == self.record["num_episodes"][0]:
                 self.feed.finish(self.record)

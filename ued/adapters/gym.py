@@ -7,9 +7,10 @@ methods train. Read next: `learning.rollout`.
 from __future__ import annotations
 
 import copy
+import math
 import os
 import signal
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Literal
 
 import gymnasium
@@ -18,7 +19,6 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
 from ued.adapters.level_env import (
-    SUCCESS,
     Apply,
     LevelEnv,
     Luck,
@@ -30,6 +30,7 @@ from ued.adapters.level_env import (
     name_of,
 )
 from ued.adapters.observations import as_array
+from ued.adapters.success import SUCCESS, SuccessReports
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
@@ -165,7 +166,8 @@ class _Slot(LevelEnv):
         if self._last is not None:
             return self._last, 0.0, False, False, {}
         observation, reward, terminated, truncated, info = super().step(action)
-        info = {name: info[name] for name in SUCCESS if name in info}  # a batch cannot join arrays of varying length
+        # A batch cannot join arrays of varying length, and would store an unknown success (None) as False
+        info = {name: math.nan if info[name] is None else float(info[name]) for name in SUCCESS if name in info}
         if terminated or truncated:
             self._last = observation
             info |= zip(ENDS, (bool(terminated), bool(truncated)), strict=True)
@@ -235,6 +237,7 @@ class GymUPOMDP(UPOMDP):
             self.metadata["render_fps"] = self.vector.metadata["render_fps"]
         self._observations: Any = None  # None until the first reset
         self._going_on = np.zeros(num_envs, bool)
+        self._reports = SuccessReports(self._level)
 
     def _vectorize(self, num_envs: int) -> Any:
         owner = os.getpid()
@@ -282,7 +285,7 @@ class GymUPOMDP(UPOMDP):
         terminated, truncated = (np.array(infos.get(end, self._going_on), bool) for end in ENDS)
         self._check_finite("a reward", rewards)
         self._check_finite("an observation", self._observations)
-        info = {"success": self._success(infos)}
+        info = {"success": self._reports.read(infos, terminated | truncated)}
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
@@ -290,17 +293,12 @@ class GymUPOMDP(UPOMDP):
         if numbers.dtype.kind != "f" or np.isfinite(numbers).all():
             return
         index = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
-        level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index]))
-        raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
+        raise LevelError(
+            f"environment {index} returned {what} that is not finite: {numbers[index]} ({self._level(index)})"
+        )
 
-    def _success(self, infos: Mapping[str, Any]) -> np.ndarray:
-        """Return `info["success"]` `[N]` from the infos of the environments, NaN if an environment reports none."""
-        success = np.full(self.num_envs, np.nan)
-        for name in reversed(SUCCESS):
-            if name in infos:
-                reported = infos.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[reported] = np.asarray(infos[name], float)[reported]
-        return success
+    def _level(self, env: int) -> str:
+        return level_in_words(self.theta_map, self.levels["theta"][env], int(self.levels["seed"][env]))
 
     supports_state = False  # Python objects
 

@@ -5,14 +5,14 @@ Read next: `adapters.gym`, which makes UPOMDPs of it.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 
 from ued.adapters.observations import in_form
+from ued.adapters.success import SUCCESS
 from ued.core.level_space import LevelError
 from ued.core.own_code import line_in
 from ued.core.parameters import ThetaMap
@@ -135,17 +135,9 @@ def check_apply(apply: Any, theta_map: ThetaMap) -> None:
         raise ValueError(f"apply must be a function that applies {names} to an environment; None is for ued.Seeds")
 
 
-SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
-
-
 def _check_number(what: str, value: Any) -> None:
     """Raise `ValueError` unless a value of an environment is a single number or bool; None means unknown."""
     if isinstance(value, float | int | np.number | np.bool_ | None):
         return
     if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
         raise ValueError(f"{what} must be a number, got {value!r}")
-
-
-def success_from_info(info: Mapping[str, Any]) -> Any:
-    """Return the success that an environment reports in its info; NaN if it reports none."""
-    return next((info[name] for name in SUCCESS if name in info), math.nan)

@@ -16,7 +16,8 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
-from ued.adapters.level_env import SUCCESS, check_apply, level_in_words
+from ued.adapters.level_env import check_apply, level_in_words
+from ued.adapters.success import SuccessReports
 from ued.core.level_space import LevelError
 from ued.core.own_code import line_in
 from ued.core.parameters import Theta, ThetaMap
@@ -83,6 +84,7 @@ class VectorUPOMDP(UPOMDP):
         self._observations: Any = None  # None until the first reset; includes the last ones of episodes that ended
         self._its_own: Any = None  # observations of the vector environment, which may have started other episodes
         self._over = np.zeros(num_envs, bool)  # episodes that ended and were not restarted
+        self._reports = SuccessReports(self._level)
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level.
@@ -174,16 +176,19 @@ class VectorUPOMDP(UPOMDP):
         ended, observations = terminated | truncated, np.array(seen)
         self._over = ended
         self._its_own = observations.copy()
-        if self.mode == AutoresetMode.SAME_STEP and ended.any():
+        if not isinstance(infos, Mapping):
+            raise LevelError(f"{self.vector}: info must be a dict of arrays, got {infos!r}; leave out DictInfoToList")
+        # An environment that does not state its mode resets in the same step if it has last observations
+        if ended.any() and (self.mode == AutoresetMode.SAME_STEP or "final_obs" in infos):
             observations[ended] = self._final_observations(infos, ended)
-            infos = infos.get("final_info", {})
+            infos = infos.get("final_info", infos)
         self._observations = observations
         if (rows := np.asarray(rewards)).dtype == object and None in rows.tolist():  # would become NaN
             index = rows.tolist().index(None)
             raise LevelError(f"environment {index} returned None as its reward, not a number ({self._level(index)})")
         self._check_finite("a reward", rows.astype(np.float64))
         self._check_finite("an observation", observations)
-        info = {"success": self._success(infos, ended)}
+        info = {"success": self._reports.read(infos, ended)}
         return observations.copy(), np.array(rewards, np.float64), terminated, truncated, info
 
     def _final_observations(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
@@ -194,20 +199,6 @@ class VectorUPOMDP(UPOMDP):
                 f"{self.vector} resets in the same step, so its info must have 'final_obs', got {[*infos]}"
             )
         return np.stack([np.asarray(last[env]) for env in np.flatnonzero(ended)])
-
-    def _success(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
-        """Return `info["success"]` `[N]` of episodes that ended, NaN where the environments do not report it."""
-        success = np.full(self.num_envs, np.nan)
-        for name in reversed(SUCCESS):
-            if name in infos:
-                try:
-                    values = np.asarray(infos[name], float)
-                except (TypeError, ValueError) as error:
-                    raise LevelError(f"{self.vector}: info[{name!r}] must be numbers, got {infos[name]!r}") from error
-                self._check_shape(f"info[{name!r}]", values.shape, (self.num_envs,))
-                reported = ended & infos.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[reported] = values[reported]
-        return success
 
     def _check_shape(self, what: str, shape: tuple[int, ...], expected: tuple[int, ...] | None) -> None:
         """Raise `LevelError` if a result of a step or a reset has another shape."""

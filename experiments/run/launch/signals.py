@@ -106,9 +106,14 @@ def _release_signals() -> None:
 
 
 def _forget_pipe() -> None:
-    """Detach a forked process from the pipe, so that its signals do not reach the parent."""
+    """Detach a forked process from the pipe, so that its signals do not reach the parent.
+
+    SIGTERM ends it at once: a vector environment ends its workers so, and our handlers would raise an error in them.
+    """
     with suppress(ValueError):
         signal.set_wakeup_fd(-1)
+        if getattr(signal.getsignal(signal.SIGTERM), "__module__", None) == __name__:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
     _release_signals()
 
 
