@@ -9,7 +9,7 @@ import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from tests.ued.test_methods import PPO, frontier, numbers
-from ued import DR, PLR, BufferConfig, Paired, PairedLiteral, PLRConfig
+from ued import DR, PLR, BufferConfig, Paired, PairedLiteral, PLRConfig, RobustPLR
 from ued.core import checkpoint
 from ued.learning import worker
 from ued.learning.reward_scale import LIMIT, RewardScale
@@ -99,18 +99,18 @@ def test_opponents_share_a_scale():
 
 
 class Rich(type(frontier())):
-    """The frontier, paid in other units."""
+    """The frontier, paid in other units, and for each step."""
 
-    unit = 1000.0
+    unit, pay = 1000.0, 0.0
 
     def _advance(self, actions):
         observations, reward, *rest = super()._advance(actions)
-        return observations, reward * self.unit, *rest
+        return observations, reward * self.unit + self.pay, *rest
 
 
-def trained(method, ppo, config=None, updates=4, unit=1000.0):
+def trained(method, ppo, config=None, updates=4, unit=1000.0, pay=0.0):
     env = Rich(16, longest=8, dim=3)
-    env.unit = unit
+    env.unit, env.pay = unit, pay
     made = method(env, ppo, config, 0)
     records = []
     for _ in range(updates):
@@ -141,6 +141,15 @@ def test_returns_and_scores_are_in_raw_units(score):
     assert np.nanmax(records["negative_advantage" if score == "mna" else "absolute_advantage"]) > 10
     if score != "mna":  # which is of levels that were solved
         assert 10 < method.buffer.slots["score"].max() < 1100  # 1000 - V
+
+
+def test_scores_of_levels_that_are_only_evaluated_are_those_without_normalization():
+    """Before the first training step the divisor is 1, where a limit of 10 would make all levels alike."""
+    config = PLRConfig(score="positive_value_loss")
+    one, other = (trained(RobustPLR, ppo, config, updates=1, pay=100.0)[1] for ppo in (NORMED, PPO))
+    for name in ("mean_value", "positive_advantage", "absolute_advantage"):
+        np.testing.assert_allclose(one[name], other[name], rtol=1e-6)
+    assert np.nanmax(one["positive_advantage"]) > 100
 
 
 @pytest.mark.slow

@@ -113,14 +113,13 @@ class Learner:
 
     def compute_advantages(self) -> dict[str, np.ndarray]:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
-        discounts, rollout = (self.config.gamma, self.config.gae_lambda), self.rollout
+        discounts, learned, scored = (self.config.gamma, self.config.gae_lambda), self.rollout, self.rollout
         if self.rewards is not None:
-            rollout = self.rewards.normalize(rollout)
-        self.advantages = gae(rollout, *discounts)  # [T, N]
-        negative = negative_advantages(rollout, *discounts) if self.values.negative else None
-        if self.rewards is not None:  # scores are in units of raw returns
-            return self.values.track(*self.rewards.raw(rollout, self.advantages, negative))
-        return self.values.track(rollout, self.advantages, negative)
+            learned, scored = self.rewards.normalize(self.rollout), self.rewards.with_raw_rewards(self.rollout)
+        self.advantages = gae(learned, *discounts)  # [T, N]
+        of_scores = self.advantages if scored is learned else gae(scored, *discounts)
+        negative = negative_advantages(scored, *discounts) if self.values.negative else None
+        return self.values.track(scored, of_scores, negative)
 
     def learn(
         self, env_steps: int, regularizer: KLRegularizer | None = None, rollout: Rollout | None = None

@@ -10,7 +10,6 @@ Read next: `learning.learner`, whose critic then predicts normalized returns.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import torch
@@ -73,7 +72,7 @@ class RewardScale(Resumable):
         self.mean += delta * rows / total
         self.variance, self.count = squares / total, total
 
-    def raw(self, rollout: Rollout, *columns: torch.Tensor | None) -> tuple[Any, ...]:
-        """Return a rollout with values in units of raw rewards, and these columns in the same units."""
-        values = replace(rollout, value=rollout.value * self.scale)
-        return values, *(None if column is None else column * self.scale for column in columns)
+    def with_raw_rewards(self, rollout: Rollout) -> Rollout:
+        """Return a rollout with its own rewards, and with the critic's values in their unit: scores have no limit."""
+        names = ("value", "final_value", "last_value")
+        return replace(rollout, **{name: getattr(rollout, name) * self.scale for name in names})
