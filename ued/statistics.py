@@ -297,6 +297,20 @@ def spearman(one: Sequence[float], other: Sequence[float]) -> float:
     return float((first * second).sum()) / spread if spread else float("nan")
 
 
+def rank_correlation(one: Sequence[float], other: Sequence[float], rng: np.random.Generator | None = None) -> Interval:
+    """Return Spearman's rank correlation of paired values, with its 95% percentile bootstrap interval over pairs.
+
+    Raises `ValueError` if the numbers of values differ.
+    """
+    middle, first, second = spearman(one, other), np.asarray(one, float), np.asarray(other, float)
+    rng = rng or np.random.default_rng(0)
+    drawn = rng.integers(0, len(first), (SAMPLES_OF_OTHERS, len(first)))
+    values = np.array([spearman(first[rows], second[rows]) for rows in drawn])
+    known = values[~np.isnan(values)]
+    low, high = np.quantile(known, [0.025, 0.975]) if len(known) else (np.nan, np.nan)
+    return Interval(middle, float(low), float(high))
+
+
 def _ranks(values: np.ndarray) -> np.ndarray:
     """Return the number of values below each value minus the number above."""
     return np.sign(values[:, None] - values[None, :]).sum(1)

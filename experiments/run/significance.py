@@ -95,7 +95,7 @@ def visible(sizes: Sequence[float], counts: Sequence[int], unit: str, by: str = 
     if not known:
         return ""
     low, high = (unit.format(size) for size in (min(known), max(known)))
-    ends = low if low == high else f"{low} to {high}, depending on the {by},"
+    ends = low if low == high else f"{low.split()[0]} to {high}, depending on the {by},"
     return f"{spread(counts)} runs each: differences under {ends} cannot be detected reliably ({HOW})"
 
 

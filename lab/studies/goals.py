@@ -16,7 +16,7 @@ from lab.studies.rows import TRAIN, Row
 from regista.experiments.run import results as estimate
 from regista.experiments.run.report import as_markdown
 from regista.minigames.published import Published, find_published
-from ued.statistics import Interval, spearman
+from ued.statistics import Interval, rank_correlation
 
 SPLITS = (TRAIN, "test")
 RANDOM = "random"
@@ -51,7 +51,7 @@ def of_one_agent(rows: Sequence[Row]) -> str:
     if said:
         about = (
             "Beside published numbers, by games that have both. *Rank correlation* is Spearman's; *apart* counts games "
-            "where the difference exceeds both half intervals, added as squares."
+            "where the difference exceeds both half intervals, added as squares. 95% intervals: bootstrap over games."
         )
         head = ["policies", "games", "number", "rank correlation", "mean absolute difference", "apart"]
         parts.append(f"{about}\n\n{as_markdown([head, *said])}")
@@ -108,7 +108,7 @@ def agreement(rows: Sequence[Row], agent: str, split: str) -> list[str]:
     difference = float(np.mean(np.abs(np.subtract(ours, theirs))))
     return [
         str(len(pairs)),
-        f"{spearman(ours, theirs):.2f}",
+        spell(rank_correlation(ours, theirs), "{:.2f}"),
         f"{difference:.2f}",
         f"{sum(apart)} of {len(apart)}" if apart else "",
     ]

@@ -89,7 +89,7 @@ def test_tables_say_what_is_in_the_files(lab, results):
     assert "**from >30 m**" in made and "| 2: academy/run_to_score, 1v1Free |" in made
     assert "| endings that agree | 50% [50, 50] | 75% [75, 75] |" in made
     assert "over 9 programs: 1.00 [1.00, 1.00]" in made
-    assert made.count("| 92% ± 4 |") == 2  # published, beside both budgets
+    assert made.count("| +0.92 ± 0.04 |\n") == 2  # published, beside both budgets
     assert tables.filled(made, results) == made
 
 

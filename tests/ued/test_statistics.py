@@ -13,6 +13,7 @@ from ued.statistics import (
     iqm,
     of_episodes,
     probability_of_improvement,
+    rank_correlation,
     spearman,
     stratified,
     student_t,
@@ -182,6 +183,16 @@ def test_the_stratified_interval_of_one_task_resamples_its_runs():
     """Half of the runs 0 and half 1: a resample of six has another interquartile mean each time, from 0 to 1."""
     interval = stratified(np.array([[0.0], [1.0]] * 3), np.random.default_rng(0))
     assert interval == (0.5, 0.0, 1.0)
+
+
+def test_a_rank_correlation_has_an_interval_over_pairs():
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=40)
+    y = x + rng.normal(size=40)
+    found = rank_correlation(x, y)
+    assert found.low < found.estimate == spearman(x, y) < found.high
+    assert 0.2 < found.high - found.low < 0.6  # about 2 * 1.96 * 0.75 / sqrt(37), after Fisher
+    assert not rank_correlation([1, 1], [1, 2]).known
 
 
 def test_rank_correlation_is_that_of_the_ranks():
