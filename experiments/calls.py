@@ -45,7 +45,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
         the run folder.
 
     Raises:
-        UsageError: unknown names.
+        UsageError: unknown names, and settings of another method.
         CommandError: if the folder holds a run with other settings.
     """
     from regista.experiments.commands.train import train as train_run
@@ -134,14 +134,14 @@ def compare(
         out: the folder, by default runs/compare-TASK.
         episodes: number of episodes on each test scene.
         levels: number of random levels, for the success rate on the worst tenth.
-        settings: as for `train`; they apply to all runs.
+        settings: as for `train`; they apply to all runs. Settings of a method apply to its runs.
 
     Runs train in parallel, one per core. Their processes import the task's file, so a call of `compare` in that file
     belongs below `if __name__ == "__main__":`. The function prints progress and tables, and writes the files of
     `regista compare`. Ctrl-C saves and returns the runs so far.
 
     Raises:
-        UsageError: unknown names.
+        UsageError: unknown names, and settings of methods that are not compared.
         ValueError: numbers that are too small.
         CommandError: if the folder holds runs with other settings.
     """
@@ -151,6 +151,7 @@ def compare(
     base = _start(game, settings, ("methods", "seeds", "out", "episodes", "levels"))
     names = [methods] if isinstance(methods, str) or not isinstance(methods, Iterable) else methods
     config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, names)), episodes=episodes)
+    build.check_used(settings, config.methods)
     config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=base)
     config = config if out is None else replace(config, out=as_path("out", out))
     command.run(config, game, most=1)  # evaluation in other processes would import the caller's script

@@ -172,5 +172,7 @@ def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
     origin.check_needed(config.from_, config.fine_tuning)
     for method in config.methods:
         build.find_method(method)
+    rows = rows_of(config.methods, config.variants, config.train)
+    build.check_used((name.removeprefix("train.") for name in typed), [row.config.method for row in rows])
     build.find_device(config.train.device)
     return config, game

@@ -127,6 +127,8 @@ def test_variants_alone_are_of_dr_or_of_their_own_method(in_process, tmp_path):
         ("a: --gamma 9", "--gamma: must be between 0 and 1"),
         ("a: --method plrr", "plrr"),
         ("a: --seed 3", "--seed"),
+        ("a: --accel.num-edits 3", "--accel.num-edits is a setting of accel; dr would not use it"),
+        ("a: --method plr --accel.num-edits 3", "--accel.num-edits is a setting of accel; plr would not use it"),
         ("a: --device 'cpu", "No closing quotation"),
         ("a: --representation simple115", "share the environment"),
         ("b: --gamma 0.9", "two rows of the comparison are called 'b'"),

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from regista.experiments.__main__ import main
+from regista.experiments.calls import compare as compare_in_python
 from regista.experiments.calls import train as train_in_python
 from regista.experiments.commands import compare, train
 from regista.experiments.run.errors import UsageError
@@ -109,13 +110,26 @@ def test_settings_of_another_method_from_files_and_presets_are_kept(run, tmp_pat
     typed = train._typed(["--preset", "thesis", "--method", "dr", "--out", str(tmp_path / "two")])
     assert train._begin(typed).config.paired.roles == "dennis2020"
     assert main(["train", "--resume", str(run), "--plr.replay-prob", "0.25"]) == 0
-    config, _ = compare._read([GAME, "--methods", "dr", "plr", "--paired.roles", "flexible"])
-    assert config.train.paired.roles == "flexible"
+    config, _ = compare._read(["--config", str(run), "--methods", "dr"])
+    assert config.train.plr.replay_prob == 0.25
+
+
+@pytest.mark.parametrize("rows", [["--methods", "dr", "accel"], ["--methods", "dr", "--variants", "a: --method accel"]])
+def test_one_compared_method_must_use_a_flag(rows, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    config, _ = compare._read([GAME, *rows, "--accel.num-edits", "3"])
+    assert config.train.accel.num_edits == 3
+    assert main(["compare", GAME, *rows, "--plr.score", "mna"]) == 2
+    expected = "--plr.score is a setting of plr and robust_plr; dr and accel would not use it"
+    assert capsys.readouterr().err.startswith(f"regista: {expected}")
+    assert not [*tmp_path.iterdir()]
 
 
 def test_python_refuses_them_too(tmp_path):
     with pytest.raises(UsageError, match="accel is a setting of accel; plr would not use it"):
         train_in_python(GAME, "plr", out=tmp_path / "run", accel=ACCELConfig())
+    with pytest.raises(UsageError, match="accel is a setting of accel; dr and plr would not use it"):
+        compare_in_python(GAME, ["dr", "plr"], out=tmp_path / "both", accel=ACCELConfig())
 
 
 def test_help_states_the_defaults_of_the_file(run, capsys):

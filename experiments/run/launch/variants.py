@@ -41,7 +41,8 @@ def rows_of(methods: Sequence[str], variants: Sequence[str], settings: Any) -> l
     """Return the rows of a comparison: one for each method, and one for each variant `NAME: FLAGS`.
 
     Without `--method` among its flags, a variant uses the first method, or DR if there is none.
-    Raises UsageError for an invalid variant, for a name that occurs twice, and for another environment.
+    Raises UsageError for an invalid variant, such as one with settings of another method, for a name that occurs twice,
+    and for another environment.
     """
     rows = [Variant(method, replace(settings, method=method)) for method in methods]
     base = rows[0].config if rows else replace(settings, method="dr")
@@ -61,6 +62,7 @@ def _read(text: str, base: Any) -> Variant:
         typed = arguments.typed_settings(Flags(train=base), shlex.split(flags), "compare", "")
         config = arguments.replace_paths(Flags(train=base), typed).train
         build.find_method(config.method)
+        build.check_used((name.removeprefix("train.") for name in typed), [config.method])
         build.find_device(config.device)
     except (UsageError, ValueError) as error:  # shlex rejects unclosed quotes
         raise UsageError(f"--variants {text!r}: {error}") from error
