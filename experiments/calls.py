@@ -18,12 +18,12 @@ from regista.experiments.pictures import curves
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import UsageError, nearest
-from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
+from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
 from regista.experiments.run.programs import load_any_program
 from regista.experiments.run.report import Report
-from regista.experiments.run.run_folders import open_runs, warn_of_mixtures
+from regista.experiments.run.run_folders import check_comparable, open_runs
 from ued.config import own_names
 from ued.settings import converted
 
@@ -109,8 +109,7 @@ def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[Run
     folders = open_runs([as_path("a run", path) for path in paths])
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
-    check_one_game(folders)
-    warn_of_mixtures(folders)
+    check_comparable(folders)
     for name in (name for run in folders for name in (run.config.minigame, *own_names(run.config)) if trusted):
         trust.allow(name)
     return folders

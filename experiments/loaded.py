@@ -22,7 +22,7 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import counted
 from regista.experiments.run.results import unique
-from regista.experiments.run.run_folders import open_runs
+from regista.experiments.run.run_folders import check_comparable, open_runs
 from regista.experiments.run.table import read_columns, read_header, read_rows
 
 if TYPE_CHECKING:
@@ -206,12 +206,15 @@ def load_run(path: str | Path) -> RunData:
 def load_comparison(path: str | Path) -> ComparisonData:
     """Return the runs and tables in the folder of `regista compare`, or in another folder of runs.
 
+    Like `evaluate`, it warns of runs of one method with different settings.
+
     Raises:
         ValueError: the argument is not a path.
-        CommandError: no runs in the folder, or no run with a checkpoint.
+        CommandError: no runs in the folder, no run with a checkpoint, or runs of several games.
     """
     folder = as_path("path", path)
     runs = open_runs([folder])
+    check_comparable(runs, "load")
     table = folder / "results.csv"
     order = unique([row["method"] for row in read_rows(table)]) if table.is_file() else []
     runs.sort(key=lambda run: order.index(run.name) if run.name in order else len(order))  # keeps the order of seeds

@@ -22,11 +22,11 @@ from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError, UsageError, read_from
-from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
+from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import counted, terminal_width
 from regista.experiments.run.report import Report, write_text
-from regista.experiments.run.run_folders import by_game, open_runs, warn_of_mixtures
+from regista.experiments.run.run_folders import by_game, check_comparable, check_one_game, open_runs
 from regista.experiments.run.table import check_file
 from ued.config import Checked, most_threads, setting
 
@@ -133,8 +133,7 @@ def _is_folder_of_runs(path: Path) -> bool:
 
 def _evaluate(runs: Sequence[RunFolder], config: EvaluateConfig) -> None:
     """Evaluate the runs of one game; print and write their tables."""
-    check_one_game(runs)
-    warn_of_mixtures(runs)
+    check_comparable(runs)
     first = replace(runs[0].config, threads=config.threads).on_engine(config.playing)
     report = evaluator(first, config).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text(terminal_width()))

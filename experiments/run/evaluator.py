@@ -314,35 +314,6 @@ class Evaluator:
         return self.scenes.play_random_levels(one.policy, self.levels, self.episodes, on_end=watch.ended)
 
 
-def check_one_game(runs: Sequence[RunFolder]) -> None:
-    """Raise `CommandError` for runs of several games or tasks, or with different settings of their program."""
-    games = {run.config.minigame for run in runs}
-    if len(games) > 1:
-        raise CommandError(
-            f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them separately"
-        )
-    first, *others = [played_by(run.config) for run in runs]
-    for run, other in zip(runs[1:], others, strict=True):
-        for name in first:
-            if first[name] != other.get(name, first[name]):
-                raise CommandError(
-                    f"{runs[0].path} has {name} = {first[name]!r}, {run.path} has {other[name]!r}: their environments "
-                    "are different; evaluate them separately"
-                )
-
-
-def played_by(config: Any) -> dict[str, Any]:
-    """Return the settings that determine the episodes of an evaluation; empty for a Python task."""
-    env = getattr(config, "env", None)
-    if env is None:
-        return {}
-    others = ("rewards", "engine", "grf_python", "grf_workers", "pixels")  # goals are the reward, the command's engine
-    played = {name: value for name, value in vars(env).items() if name not in others}
-    if env.engine == "grf":
-        del played["engine_spread"]  # GRF cannot be randomized
-    return {"program": config.program, **played}
-
-
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates of its training; see `load_method`."""
     method, trained = load_method(run, game)

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from regista.experiments.run import config as configs
+from regista.experiments.run import versions
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import MAY_CHANGE, RunFolder
 from regista.experiments.run.notes import warn
@@ -69,7 +71,44 @@ def by_game(runs: Sequence[RunFolder]) -> dict[str, list[RunFolder]]:
     return groups
 
 
-def warn_of_mixtures(runs: Sequence[RunFolder]) -> None:
+def check_comparable(runs: Sequence[RunFolder], verb: str = "evaluate") -> None:
+    """Check that these runs may share the tables of one game; warn of rows with different settings.
+
+    Raises `CommandError` for runs of several games or simulator versions; the message says to `verb` them separately.
+    """
+    check_one_game(runs, verb)
+    versions.check_alike({run.path: run.simulator for run in runs}, verb)
+    _warn_of_mixtures(runs, verb)
+
+
+def check_one_game(runs: Sequence[RunFolder], verb: str = "evaluate") -> None:
+    """Raise `CommandError` for runs of several games or tasks, or with different settings of their program."""
+    games = {run.config.minigame for run in runs}
+    if len(games) > 1:
+        raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; {verb} them separately")
+    first, *others = [_played_by(run.config) for run in runs]
+    for run, other in zip(runs[1:], others, strict=True):
+        for name in first:
+            if first[name] != other.get(name, first[name]):
+                raise CommandError(
+                    f"{runs[0].path} has {name} = {first[name]!r}, {run.path} has {other[name]!r}: their environments "
+                    f"are different; {verb} them separately"
+                )
+
+
+def _played_by(config: Any) -> dict[str, Any]:
+    """Return the settings that determine the episodes of an evaluation; empty for a Python task."""
+    env = getattr(config, "env", None)
+    if env is None:
+        return {}
+    others = ("rewards", "engine", "grf_python", "grf_workers", "pixels")  # goals are the reward, the command's engine
+    played = {name: value for name, value in vars(env).items() if name not in others}
+    if env.engine == "grf":
+        del played["engine_spread"]  # GRF cannot be randomized
+    return {"program": config.program, **played}
+
+
+def _warn_of_mixtures(runs: Sequence[RunFolder], verb: str) -> None:
     """Warn of runs that share a row of a table although they were trained with different settings."""
     first: dict[str, RunFolder] = {}
     for run in runs:
@@ -81,5 +120,5 @@ def warn_of_mixtures(runs: Sequence[RunFolder]) -> None:
         if names:
             warn(
                 f"{run.path} and {like.path} share the row '{run.label}', but differ in {', '.join(names[:3])}"
-                f"{' and more' if len(names) > 3 else ''}; evaluate them separately to distinguish them"
+                f"{' and more' if len(names) > 3 else ''}; {verb} them separately to distinguish them"
             )

@@ -61,12 +61,12 @@ def check_present(version: int | None, what: str, refused: str) -> None:
         raise CommandError(f"{what} {simulator_name(version)}; on version {SIMULATOR_VERSION} {refused}")
 
 
-def check_alike(trained: Mapping[Path, int | None]) -> None:
+def check_alike(trained: Mapping[Path, int | None], verb: str = "evaluate") -> None:
     """Raise `CommandError` if runs in one table, given by path, have different versions; None is ignored."""
     found = {version: path for path, version in trained.items() if version is not None}
     if len(found) > 1:
         named = ", ".join(f"{path} on {simulator_name(version)}" for version, path in found.items())
-        raise CommandError(f"these runs were trained on different simulators: {named}; evaluate them separately")
+        raise CommandError(f"these runs were trained on different simulators: {named}; {verb} them separately")
 
 
 def warn_of_age(path: Path, version: int | None) -> None:

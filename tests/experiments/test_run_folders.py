@@ -12,9 +12,9 @@ from regista.experiments.__main__ import main
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.evaluator import EvalScenes, check_one_game
+from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.run_folders import open_runs
+from regista.experiments.run.run_folders import check_one_game, open_runs
 from regista.experiments.run.table import read_rows
 from tests.experiments.test_play_level import TASK
 
@@ -69,6 +69,8 @@ def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys)
     shutil.copytree(runs, folder)
     words = ["train", GAME, "--method", "dr", "--learning-rate", "1e-4", "--out", str(folder / "slow"), *SMALL]
     assert main(words) == 0
+    assert len(regista.load_comparison(folder).runs) == 4
+    assert "share the row 'dr', but differ in ppo.learning_rate; load them separately" in capsys.readouterr().err
     (tmp_path / "dark.py").write_text(TASK)
     other = ["train", f"{tmp_path / 'dark.py'}:caves", "--method", "dr", "--out", str(folder / "other"), *SMALL]
     assert main(other) == 0
@@ -82,6 +84,8 @@ def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys)
     ]
     assert main(["evaluate", str(folder), *BRIEF, "--csv", str(tmp_path / "x.csv")]) == 1
     assert "evaluate them separately" in capsys.readouterr().err
+    with pytest.raises(CommandError, match=r"of different minigames: .*; load them separately"):
+        regista.load_comparison(folder)
 
 
 def test_a_run_that_is_named_twice_keeps_its_first_position(runs):
