@@ -5,7 +5,8 @@
     "all"
 
 A region restricts parameters, in their own units, to a range, a value, or options. Other parameters keep their full
-range; `all` restricts none. Read next: `levels.regions`, from names to columns of θ; `methods.lessons`.
+range; `all` restricts none. An option with a sign of this syntax in its name is quoted: `sky='wet, cold'`. Read next:
+`levels.regions`, from names to columns of θ; `methods.lessons`.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from typing import NamedTuple
 from ued.settings import Checked, setting
 
 FORM = '"NAME=VALUES, ... until CRITERION", as in "gravity=5..7, ground=grass|ice until success 0.8"'
+QUOTES = "quote an option with a comma, as in sky='wet, cold'"
 MEANS, COUNTS = ("success", "return"), ("episodes", "steps")
 NUMBER = r"[-+]?[\d_]*\.?\d+(?:e[-+]?\d+)?"
 CRITERION = re.compile(rf"({'|'.join((*MEANS, *COUNTS))})\s+({NUMBER})(\s*%)?", re.IGNORECASE)
+QUOTED = r"(?<![^=|\s])(?:'[^']*'|\"[^\"]*\")(?=[\s,|]|$)"  # an option in quotes; other quotes belong to a name
 MIDDLE = "all=theta -0.25..0.25 until success 0.8"  # the first lesson unless a plan is given
 
 
@@ -44,18 +47,29 @@ class Lesson(NamedTuple):
 
 def lesson_of(text: str) -> Lesson:
     """Parse a lesson. Raises ValueError for an invalid text."""
-    region, *ends = re.split(r"\s+until\s+", text.strip())
+    region, *ends = split(r"\s+until\s+", text.strip())
     if len(ends) > 1:
         raise ValueError(f"the lesson {text!r} has more than one 'until'; join its criteria by 'or'")
     until = tuple(_criterion(text, part) for part in re.split(r"\s+or\s+", ends[0])) if ends else ()
-    entries = () if region == "all" else tuple(_entry(text, part) for part in region.split(","))
+    entries = () if region == "all" else tuple(_entry(text, part) for part in split(",", region))
+    names = [name for name, _ in entries]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(f"the lesson {text!r} has {twice!r} twice; options of one parameter are joined, as in a|b")
     return Lesson(text, entries, until)
+
+
+def split(separator: str, text: str) -> list[str]:
+    """Split a text at a separator, a regular expression, except within quoted options."""
+    found = [match.span(1) for match in re.finditer(f"{QUOTED}|({separator})", text) if match[1] is not None]
+    ends = [0, *(end for span in found for end in span), len(text)]
+    return [text[start:end] for start, end in zip(ends[::2], ends[1::2], strict=True)]
 
 
 def _entry(text: str, part: str) -> tuple[str, str]:
     name, equals, values = (word.strip() for word in part.partition("="))
     if not (name and equals and values):
-        raise ValueError(f"the lesson {text!r} has the region {part.strip()!r}; a lesson is 'all', or {FORM}")
+        raise ValueError(f"the lesson {text!r} has the region {part.strip()!r}; a lesson is 'all', or {FORM}; {QUOTES}")
     return name, values
 
 

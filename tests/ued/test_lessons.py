@@ -79,6 +79,31 @@ def test_what_a_lesson_does_not_name_has_its_whole_range():
     assert all(8.75 <= row["gravity"] <= 11.25 for row in middle) and {row["legs"] for row in middle} == {2, 3, 4, 5, 6}
 
 
+SIGNS = {"sky": Choice("wet, cold", "a|b", "it's", "up until now", (1, 2), "'so'"), "gravity": Range(5, 15)}
+
+
+@pytest.mark.parametrize(
+    ("text", "options"),
+    [
+        ("sky='wet, cold'", {"wet, cold"}),
+        ('gravity=5..7, sky= "a|b" | it\'s until success 0.5', {"a|b", "it's"}),
+        ("sky='up until now'|it's until success 0.5", {"up until now", "it's"}),
+        ("sky='(1, 2)', gravity=5..7", {(1, 2)}),
+        ("sky='so'", {"'so'"}),
+    ],
+)
+def test_options_with_signs_of_the_syntax_are_quoted(text, options):
+    rows = drawn(text, Space(SIGNS))
+    assert {row["sky"] for row in rows} == options
+    assert ("gravity" in text) == (max(row["gravity"] for row in rows) <= 7)
+
+
+def test_all_does_not_widen_what_a_lesson_names():
+    for text in ("all=theta 0..0, gravity=5..7", "gravity=5..7, all=theta 0..0"):
+        rows = drawn(text)
+        assert all(5 <= row["gravity"] <= 7 and row["mass"] == pytest.approx(1) for row in rows)
+
+
 def test_seeds_and_numbered_columns_are_parameters():
     space = ThetaSpace(Seeds(100, 50), seed=0)
     levels = region_of(space, lesson_of("seed=60..62")).sample(space, 50, np.random.default_rng(0), "it")
@@ -92,7 +117,9 @@ y = Range(0, x)
 n = Normal(0, 5)
 k = DiscreteRange(1, 4)
 c = Uniform("near", "far")
-ego = LeftCM at Range(20, 40) @ (n + y + k)
+fall = Range(30, 5)
+cut = TruncatedNormal(0, 2, -1, 3)
+ego = LeftCM at Range(20, 40) @ (n + y + k + fall + cut)
 """
 
 
@@ -101,9 +128,28 @@ def test_columns_of_a_program_in_its_units():
     rows = drawn("ego.x=25..30, n=-2..1, k=2..3", space)
     assert all(25 <= row["ego.x"] <= 30 and -2 <= row["n"] <= 1 and row["k"] in (2, 3) for row in rows)
     assert abs(np.mean([row["n"] for row in rows]) + 0.5) < 0.15  # nearly uniform in the middle of a normal
-    with pytest.raises(ValueError, match=r"the units of 'y' depend on other parameters; give its range as y=theta"):
-        drawn("y=0.1..0.2", space)
+    for text in ("y=0.1..0.2", "y=0.7..0.9"):
+        with pytest.raises(ValueError, match=r"the units of 'y' depend on other parameters; give its range as y=theta"):
+            drawn(text, space)
     assert all(row["y"] <= 0.5 * row["x"] + 1e-9 for row in drawn("y=theta -1..0", space))
+
+
+@pytest.mark.slow
+def test_limits_are_values_of_a_lesson():
+    space = Space(scenic_lite.load(PROGRAM, FOOTBALL))
+    for text in ("fall=10..20", "fall=20..10", "fall=5..30", "fall=30..5", "cut=-1..3"):
+        name, ends = text.split("=")
+        low, high = sorted(map(float, ends.split("..")))
+        values = [row[name] for row in drawn(text, space)]
+        assert low <= min(values) < low + 1 and high - 1 < max(values) <= high
+    assert {row["fall"] for row in drawn("fall=12", space, 20)} == {12}
+    with pytest.raises(ValueError, match=r"'fall' must be a range or a value within 30\.\.5, .* got '4\.\.20'"):
+        drawn("fall=4..20", space)
+    with pytest.raises(ValueError, match="'n' must be") as refused:  # a normal ends at eight standard deviations
+        drawn("n=-1e9..1e9", space)
+    stated = str(refused.value).split("within ")[1].split(",")[0]
+    assert drawn(f"n={stated}", space, 20)
+    assert drawn("third=0.333333333333..0.666666666667", Space({"third": Range(1 / 3, 2 / 3)}))
 
 
 WRONG = {
@@ -130,6 +176,8 @@ REFUSED = {
     ("gravity=5", "all"): "the lesson 'gravity=5' never ends; all but the last need 'until CRITERION'",
     ("gravity until success 0.5", "all"): "has the region 'gravity'; a lesson is 'all', or \"NAME=VALUES",
     ("all until success 0.8",): "the last lesson, 'all until success 0.8', lasts until the end of the run",
+    ("gravity=5..6, legs=2, gravity=7 until success 0.5", "all"): "has 'gravity' twice",
+    ("sky=wet, cold until success 0.5", "all"): "the region 'cold'; .*; quote an option with a comma, as in sky='wet, ",
     ("all until luck 0.8", "all"): "has the criterion 'luck 0.8'; criteria are success 0.8",
     ("all until success 80", "all"): r"'success 80', which must be above 0 and at most 1 \(100%\)",
     ("all until episodes 0", "all"): "'episodes 0', which must be at least 1",
@@ -159,7 +207,8 @@ def test_a_threshold_moves_on_when_enough_of_the_last_episodes_succeed():
     assert play(lessons, 1.0)["lessons/lesson"] == 1  # fewer episodes than the window
     assert play(lessons, 0.5) == {"lessons/lesson": 1.0, "lessons/progress": 0.0, "lessons/success": 0.75}
     assert play(lessons, 1.0)["lessons/lesson"] == 1
-    assert play(lessons, 1.0)["lessons/lesson"] == 2
+    assert play(lessons, 1.0) == {"lessons/lesson": 1.0, "lessons/progress": 0.0, "lessons/success": 1.0}  # as played
+    assert lessons.lesson == 1 and play(lessons, 1.0)["lessons/lesson"] == 2
     assert max(row["gravity"] for row in lessons.space.values(lessons.propose(200)["level"])) > 14
 
 
@@ -169,7 +218,7 @@ def test_a_threshold_widens_a_range_by_and_by():
         ends = lessons.region.low[0], lessons.region.high[0]
         assert ends == pytest.approx((-part / 5, part / 5))
         assert play(lessons, 0.4)["lessons/progress"] == part / 5
-        play(lessons, 0.6)
+        assert play(lessons, 0.6)["lessons/progress"] == part / 5
     assert lessons.lesson == 1 and (lessons.region.low[0], lessons.region.high[0]) == (-1, 1)
 
 

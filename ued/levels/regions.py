@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -16,10 +17,11 @@ import numpy as np
 from ued.core.cells import Cells
 from ued.core.level_space import MAX_TRIES, LevelSpace, ThetaError
 from ued.core.parameters import Parameter, cells_in
-from ued.lesson_config import NUMBER, Lesson
+from ued.lesson_config import NUMBER, Lesson, split
 
 ENDS = re.compile(rf"({NUMBER})(?:\s*\.\.\s*({NUMBER}))?", re.IGNORECASE)
 HALVINGS = 60  # bisections of [-1, 1] to find the θ of a value
+ROUNDING = 1e-11  # a value may exceed its limits by this share of them: those of a normal are computed
 ELSEWHERE = 0.37  # value of the other columns, to test whether a column's units depend on them
 
 
@@ -69,7 +71,7 @@ def region_of(space: LevelSpace, lesson: Lesson) -> Region:
     """Return the region of a lesson. Raises ValueError for unknown parameters and invalid values."""
     region = Region(np.full(space.theta_dim, -1.0), np.full(space.theta_dim, 1.0), {})
     names = [parameter.name for parameter in space.parameters]
-    for name, values in lesson.region:
+    for name, values in sorted(lesson.region, key=lambda entry: entry[0] != "all"):  # what follows `all` is narrower
         try:
             if name == "all" and name not in names:
                 _narrow(region, np.array([cells_in(one) is None for one in space.parameters]), _theta(values))
@@ -92,10 +94,10 @@ def _restrict(region: Region, space: LevelSpace, column: int, values: str) -> No
     if values.startswith("theta "):
         _narrow(region, where, _theta(values))
     elif cells is None:
-        low, high = _ends(parameter, values)
-        _narrow(region, where, (_theta_of(space, column, low), _theta_of(space, column, high)))
+        _narrow(region, where, _thetas_of(space, column, values))
     elif cells.ordered:
-        first, last = (round(end - parameter.low) for end in _ends(parameter, values))
+        ends = _ends(parameter.name, values, parameter.low, parameter.high, whole=True)
+        first, last = (round(end - parameter.low) for end in ends)
         _narrow(region, where, (2 * first / cells.count - 1, 2 * (last + 1) / cells.count - 1))
     else:
         region.options[column] = _weights(parameter, cells, values)
@@ -114,35 +116,40 @@ def _theta(values: str) -> tuple[float, float]:
     return low, high
 
 
-def _ends(parameter: Parameter, values: str) -> tuple[float, float]:
-    """Return the ends of "5..7", or of "5"; both are values of the parameter. Raises ValueError for others."""
-    found = ENDS.fullmatch(values)
-    whole = cells_in(parameter) is not None
+def _ends(name: str, values: str, first: float, last: float, whole: bool = False) -> tuple[float, float]:
+    """Return the ends of "5..7", or of "5", in ascending order; both are within the limits `first` and `last`.
+
+    A descending parameter, with `first` > `last`, takes its ends in either order. Raises ValueError for others.
+    """
+    found, bottom, top = ENDS.fullmatch(values), min(first, last), max(first, last)
     if found:
         low, high = (float((end or found[1]).replace("_", "")) for end in found.groups())
-        inside = not low < parameter.low and not high > parameter.high and low <= high  # limits may be nan
+        low, high = (min(low, high), max(low, high)) if first > last else (low, high)
+        slack = 0 if whole else ROUNDING * max(abs(first), abs(last))
+        inside = bottom - slack <= low <= high <= top + slack
         if inside and (not whole or (low.is_integer() and high.is_integer())):
-            return low, high
-    limits = f"{parameter.low:g}..{parameter.high:g}"
+            return max(low, bottom), min(high, top)
+    limits = f"{first:.12g}..{last:.12g}"  # so exact that the text is within the slack
     kind = "integers" if whole else "a range or a value"
-    raise ValueError(f"{parameter.name!r} must be {kind} within {limits}, such as {limits}, got {values!r}")
+    raise ValueError(f"{name!r} must be {kind} within {limits}, such as {limits}, got {values!r}")
 
 
 def _weights(parameter: Parameter, cells: Cells, values: str) -> np.ndarray:
-    """Return the probability of each option `[K]`, 0 unless a text such as "grass|ice" names it."""
-    named = [word.strip() for word in values.split("|")]
+    """Return the probability of each option `[K]`, 0 unless a text such as "grass|'wet, cold'" names it."""
+    words = [word.strip() for word in split(r"\|", values)]
+    named = [word[1:-1] if word not in cells.names and re.fullmatch(r"'.*'|\".*\"", word) else word for word in words]
     unknown = next((word for word in named if word not in cells.names), None)
     if unknown is not None:
-        listed = " | ".join(cells.names)
+        listed = " | ".join(f"'{name}'" if re.search("[,|]", name) else name for name in cells.names)
         raise ValueError(f"{parameter.name!r} has no option {unknown!r}; options are {listed}")
     weights = np.where([name in named for name in cells.names], cells.shares, 0.0)
     return weights / weights.sum()
 
 
-def _theta_of(space: LevelSpace, column: int, value: float) -> float:
-    """Return the θ of a value of a real column, by bisection of `describe`.
+def _thetas_of(space: LevelSpace, column: int, values: str) -> tuple[float, float]:
+    """Return the ends in θ of the values of a real column, by bisection of `describe`.
 
-    Raises ValueError for a value outside the column's range, and if the column's units depend on other columns.
+    Raises ValueError for values outside the column's range, and if the column's units depend on other columns.
     """
     name = space.parameters[column].name
 
@@ -151,15 +158,26 @@ def _theta_of(space: LevelSpace, column: int, value: float) -> float:
         row[0, column] = x
         return float(space.describe(row)[0][name])
 
-    low, high = -1.0, 1.0
-    first, last = at(low), at(high)
-    if not first <= value <= last:
-        raise ValueError(f"{name!r} must be within {first:g}..{last:g}, got {value:g}")
+    first, last = at(-1.0), at(1.0)
+    size = max(1.0, abs(first), abs(last))
+
+    def check(x: float) -> float:
+        if abs(at(x, ELSEWHERE) - at(x)) > 1e-6 * size:
+            raise ValueError(
+                f"the units of {name!r} depend on other parameters; give its range as {name}=theta -0.5..0.5"
+            )
+        return x
+
+    check(-1.0), check(1.0)
+    low, high = sorted(check(_solved(at, value)) for value in _ends(name, values, first, last))
+    return low, high
+
+
+def _solved(at: Callable[[float], float], value: float) -> float:
+    """Return the x in [-1, 1] with `at(x)` = `value`, for a monotonic function that has this value."""
+    low, high, last = -1.0, 1.0, at(1.0)
+    sign = 1 if at(low) <= last else -1
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if at(middle) <= value else (low, middle)
-    x = 1.0 if value == last else low
-    size = max(abs(first), abs(last)) if math.isfinite(last - first) else max(1.0, abs(value))
-    if abs(at(x, ELSEWHERE) - value) > 1e-6 * max(1.0, size):
-        raise ValueError(f"the units of {name!r} depend on other parameters; give its range as {name}=theta -0.5..0.5")
-    return x
+        low, high = (middle, high) if sign * at(middle) <= sign * value else (low, middle)
+    return 1.0 if value == last else low

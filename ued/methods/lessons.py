@@ -105,16 +105,20 @@ class LessonCurriculum(Resumable):
         return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Record the results of the current part; move on as long as a criterion holds."""
+        """Record the results of the current part; move on as long as a criterion holds.
+
+        The metrics describe the part in which the levels were played.
+        """
         now = records[records["stage"] == self.stage]
         results = np.column_stack([solved(now)[:, 0, 0], mean_returns(now)[:, 0]])  # [L, 2]
         self.recent = np.concatenate([self.recent, results])[-self.config.window :]
         self.episodes += len(now)
         success = float(self.recent[:, 0].mean()) if len(self.recent) else float("nan")
+        progress = self.part / self.config.increments
+        metrics = {"lessons/lesson": self.lesson + 1.0, "lessons/progress": progress, "lessons/success": success}
         while any(self._holds(criterion) for criterion in self.plan[self.lesson].until):
             self._move_on()
-        progress = self.part / self.config.increments
-        return {"lessons/lesson": self.lesson + 1.0, "lessons/progress": progress, "lessons/success": success}
+        return metrics
 
     def _holds(self, criterion: Criterion) -> bool:
         if criterion.measure in MEANS:
