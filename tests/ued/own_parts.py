@@ -33,6 +33,10 @@ def missing(records, best):
     return np.full(len(best), np.nan)
 
 
+def masked(records, best):
+    return np.ma.array(best.astype(int), mask=np.arange(len(best)) == 1)
+
+
 def failing(records, best):
     return records["no_such_field"]
 

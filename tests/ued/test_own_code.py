@@ -92,6 +92,7 @@ def test_a_score_cannot_change_the_results():
     {
         f"{HERE}:short": r"short must be a finite number for each of 4 levels, got shape \[3\] of float64",
         f"{HERE}:missing": r"missing must be a finite number for each of 4 levels, got array\(\[nan",
+        f"{HERE}:masked": r"masked must be a finite number for each of 4 levels, got masked_array\(data=\[0, --, 0, 0",
         f"{HERE}:failing": r"failing failed \(.*own_parts.py:\d+\): ValueError: no field of name no_such_field",
     }.items(),
 )

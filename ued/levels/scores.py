@@ -107,11 +107,13 @@ def find(rule: str) -> Score:
 def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.ndarray:
     """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is not a finite number for each level."""
     try:
-        found = np.asarray(own(records.copy(), best.copy()))
+        given = own(records.copy(), best.copy())
+        found = np.asarray(given)
     except Exception as error:  # user code can raise any error
         raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
-    if found.shape != best.shape or found.dtype.kind not in "biuf" or not np.isfinite(found).all():
-        got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{found!r:.100}"
+    numeric = found.dtype.kind in "biuf" and not np.ma.is_masked(given)  # the value below a mask is no score
+    if found.shape != best.shape or not numeric or not np.isfinite(found).all():
+        got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{given!r:.100}"
         raise OwnCodeError(f"the score {rule} must be a finite number for each of {len(best)} levels, got {got}")
     return found.astype(np.float64)
 
