@@ -21,7 +21,7 @@ from regista.experiments.pictures import curves, plots
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import counted
-from regista.experiments.run.results import unique
+from regista.experiments.run.results import BASELINE, unique
 from regista.experiments.run.run_folders import check_comparable, open_runs
 from regista.experiments.run.table import read_columns, read_header, read_rows
 
@@ -168,7 +168,9 @@ class ComparisonData:
     def colors(self) -> dict[str, str]:
         """Return the color of each method, variant and baseline in all figures, by its name in the tables."""
         self._distinguish()
-        return {name: plots.color(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
+        runs = [run.name for run in self.runs]
+        baselines = [name + BASELINE * (name in runs) for name in plots.BASELINES]
+        return {name: plots.color(name) for name in [*runs, *baselines]}
 
     def _distinguish(self) -> None:
         from ued.methods import METHODS

@@ -20,6 +20,7 @@ import numpy as np
 
 from regista.experiments.pictures.variants import Look, looks
 from regista.experiments.run.progress import count
+from regista.experiments.run.results import BASELINE
 from regista.experiments.run.table import cannot_write
 from ued.core.files import write_whole
 from ued.methods import METHODS
@@ -106,10 +107,10 @@ def distinguish(variants: Mapping[str, str]) -> None:
 
 
 def color(method: str) -> str:
-    """Return the color of a method or a variant."""
+    """Return the color of a method, a variant or a baseline."""
     if method in _variants:
         return _variants[method].color
-    return METHOD_COLORS.get(method, OTHER_COLOR)
+    return METHOD_COLORS.get(method.removesuffix(BASELINE), OTHER_COLOR)
 
 
 def bar_look(method: str) -> dict[str, Any]:

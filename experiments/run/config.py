@@ -413,7 +413,8 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
         return float(value)
     if type(value) is hint:
         return value
-    expected = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
+    name = "a list" if origin is tuple else getattr(hint, "__name__", str(hint))  # JSON has no tuples
+    expected = " or ".join(map(repr, parts)) if origin is typing.Literal else name
     raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value, default=repr)}")
 
 

@@ -21,7 +21,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.workers import apart
 from regista.experiments.run.progress import counted
 from regista.experiments.run.report import Report
-from regista.experiments.run.results import LevelResult, Result, summarize, summarize_levels
+from regista.experiments.run.results import BASELINE, LevelResult, Result, summarize, summarize_levels
 from regista.experiments.run.watch import Watch
 from ued.config import own_names
 from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
@@ -236,7 +236,7 @@ class Evaluator:
             made = self.scenes.task.make_baselines(self.scenes.scenes[TRAINING_SCENE])
             taken = {one.method for one in policies}
             policies += [
-                Policy(f"{name} (baseline)" if name in taken else name, 0, (0, 0), policy, name)
+                Policy(name + BASELINE if name in taken else name, 0, (0, 0), policy, name)
                 for name, policy in made.items()
             ]
         planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)

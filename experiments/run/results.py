@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ued.statistics import Difference, Interval
 
 BOOTSTRAP_SEED = 0  # fixed, so equal results give equal tables
+BASELINE = " (baseline)"  # after the name of a baseline if runs have this name
 WORST = 0.1  # share of the random levels in CVaR10
 
 

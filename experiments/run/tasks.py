@@ -172,7 +172,7 @@ def short(name: str) -> str:
 def name_of(task: Any) -> str:
     """Return the name `file.py:name` of a task, or of a function that makes environments.
 
-    Raises `UsageError` unless it is a global name of a file.
+    Raises `UsageError` unless it is a global name of a file, which other processes and later runs can import.
     """
     from ued.core.task import Task
 
@@ -181,9 +181,13 @@ def name_of(task: Any) -> str:
     own = inspect.getmodule(task.make if isinstance(task, Task) else task)  # None for a partial or an instance
     for module in filter(None, [own, *sys.modules.values()]):
         known = [key for key, value in [*vars(module).items()] if value is task]
-        if known and getattr(module, "__file__", None):
-            return canonical(f"{module.__file__}:{known[0]}")
-    raise UsageError("a task must be a global name of a Python file, so that a run can be resumed")
+        file = Path(getattr(module, "__file__", None) or "")  # that of code from standard input is "<stdin>"
+        if known and file.suffix == ".py" and file.is_file():
+            return canonical(f"{file}:{known[0]}")
+    raise UsageError(
+        "a task must be a global name of a Python file, so that a run can be resumed; save code from standard input, a "
+        "console or a notebook in a file, such as task.py"
+    )
 
 
 def load_task(name: str) -> tuple[Task, str]:

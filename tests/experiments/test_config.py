@@ -76,6 +76,7 @@ def changed(**changes):
         (changed(ppo__gama=0.9), "c.json: unknown key 'ppo.gama' (did you mean 'gamma'?)"),
         (changed(num_envs="many"), "c.json: 'num_envs' must be int, got \"many\""),
         (changed(num_envs=True), "c.json: 'num_envs' must be int, got true"),
+        (changed(lessons__plan="all"), "c.json: 'lessons.plan' must be a list, got \"all\""),  # JSON has no tuples
         (changed(ppo=3), "c.json: ppo must be an object, got 3"),
         (changed(num_envs=0), "c.json: num_envs must be at least 1, got 0"),
         ([], "c.json: the file must be an object, got []"),
@@ -100,6 +101,10 @@ def test_a_missing_key_is_named():
     del data["ppo"]["gamma"]
     with pytest.raises(ConfigError, match=r"c.json: key 'ppo.gamma' is missing"):
         configs.from_dict(TrainConfig, data, "c.json")
+
+
+def test_a_list_serves_as_tuple():
+    assert configs.from_dict(TrainConfig, changed(lessons__plan=["all"]), "c.json").lessons.plan == ("all",)
 
 
 def test_a_whole_number_serves_as_float():

@@ -2,6 +2,7 @@
 
 import inspect
 import sys
+import types
 
 import numpy as np
 import pytest
@@ -87,6 +88,9 @@ def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
     assert repr(comparison.runs[0]) == f"RunData({str(tmp_path / 'both' / 'dr-3')!r}, dr, seed 3)"
     with pytest.raises(CommandError, match=r"it has no config\.json; it holds runs, such as .*dr-3"):
         regista.load_run(tmp_path / "both")
+    for load in (regista.load_run, regista.load_comparison):
+        with pytest.raises(CommandError, match=r"config\.json is not a run folder: .*; give the folder, .*dr-3$"):
+            load(tmp_path / "both" / "dr-3" / "config.json")
     assert (tmp_path / "both" / "table.csv").exists()
     assert regista.load_comparison(tmp_path / "both").runs == comparison.runs
     table = tmp_path / "both" / "results.csv"
@@ -191,3 +195,12 @@ def test_python_and_the_command_line_have_the_same_defaults(tmp_path, monkeypatc
     (tmp_path / "own.py").write_text(text)
     run = regista.train(f"{tmp_path / 'own.py'}:own", out=tmp_path / "own", total_env_steps=128, **SMALL)
     assert regista.load_run(run).config.method == "accel"
+
+
+def test_a_task_from_standard_input_is_to_be_saved(monkeypatch):
+    session = types.ModuleType("session")
+    session.__file__ = "<stdin>"  # as Python names the module of `python - < session`
+    exec("def make(num_envs): ...", vars(session))
+    monkeypatch.setitem(sys.modules, "session", session)
+    with pytest.raises(UsageError, match=r"save code from standard input, .* in a file, such as task\.py"):
+        regista.train(session.make)

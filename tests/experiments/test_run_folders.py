@@ -9,6 +9,7 @@ import pytest
 import regista
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
+from regista.experiments.pictures.plots import BASELINES
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
@@ -129,6 +130,8 @@ def test_a_variant_with_the_name_of_a_baseline_has_a_row_of_its_own(tmp_path, tr
     rows = read_rows(tmp_path / "c" / "results.csv")
     trained = {row["method"]: int(row["env_steps"]) for row in rows}
     assert trained["random"] > 0 and trained["random (baseline)"] == 0 and {*trained} >= {"dr", "random"}
+    colors = regista.load_comparison(tmp_path / "c").colors()
+    assert colors["random (baseline)"] == BASELINES["random"][1] != colors["random"] and {*trained} <= {*colors}
 
 
 def test_rounds_of_a_timed_evaluation_play_all_levels_of_a_test(runs, monkeypatch):
