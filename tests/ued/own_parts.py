@@ -41,6 +41,10 @@ def failing(records, best):
     return records["no_such_field"]
 
 
+def leaving_score(records, best):
+    raise SystemExit(3)
+
+
 def alone(records):
     return np.zeros(len(records))
 
@@ -67,9 +71,115 @@ class Net(nn.Module):
 
 
 class Noisy(Net):
+    rate = 0.1
+
     def __init__(self, space, config):
         super().__init__(space, config)
-        self.drop = nn.Dropout(0.1)
+        self.drop = nn.Dropout(self.rate)
+
+    def forward(self, observation):
+        return self.drop(super().forward(observation))
+
+
+class Quiet(Noisy):
+    rate = 0.0
+
+
+class Frozen(Net):
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        self.first.requires_grad_(False)
+
+
+class FunctionalNoise(Net):
+    def forward(self, observation):
+        return nn.functional.dropout(super().forward(observation), 0.5)
+
+
+class RecurrentNoise(nn.Module):
+    def __init__(self, space, config):
+        super().__init__()
+        self.layers = nn.GRU(int(np.prod(space.shape)), 8, 2, dropout=0.5, batch_first=True)
+
+    def forward(self, observation):
+        return self.layers(observation.flatten(1)[:, None])[0][:, 0]
+
+
+class Spectral(Net):
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        self.first = nn.utils.parametrizations.spectral_norm(self.first)
+
+
+class Normed(Net):
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        self.norm = nn.BatchNorm1d(config.hidden_size)
+
+    def forward(self, observation):
+        return self.norm(super().forward(observation))
+
+
+class Counting(Net):
+    calls = 0
+
+    def forward(self, observation):
+        self.calls += 1
+        return super().forward(observation) + self.calls
+
+
+class Centered(Net):
+    def forward(self, observation):
+        features = super().forward(observation)
+        return features - features.mean(0)
+
+
+class Squeezed(Net):
+    def forward(self, observation):
+        return super().forward(observation).squeeze()
+
+
+class Cut(Net):
+    def forward(self, observation):
+        with torch.no_grad():
+            return super().forward(observation)
+
+
+class Unlisted(nn.Module):
+    def __init__(self, space, config):
+        super().__init__()
+        self.weights = [nn.Parameter(torch.ones(int(np.prod(space.shape)), 4))]
+
+    def forward(self, observation):
+        return observation.flatten(1) @ self.weights[0]
+
+
+class Wide(Net):
+    def forward(self, observation):
+        return super().forward(observation).double()
+
+
+class WideWeights(nn.Module):
+    def __init__(self, space, config):
+        super().__init__()
+        self.layer = nn.Linear(int(np.prod(space.shape)), 4).double()
+
+    def forward(self, observation):
+        return self.layer(observation.flatten(1).double()).float()
+
+
+class InPlace(Net):
+    def forward(self, observation):
+        return super().forward(observation.mul_(0.5))
+
+
+class Undefined(Net):
+    def forward(self, observation):
+        return super().forward(observation) * float("nan")
+
+
+def leaving(space, config):
+    raise SystemExit(3)
 
 
 class Flat(Net):

@@ -109,6 +109,7 @@ def test_scores_that_are_none_are_refused(rule, message):
         f"{HERE}:short": r"short must be a finite number for each of 8 levels, got shape \[3\] of float64",
         f"{HERE}:missing": r"missing must be a finite number for each of 8 levels, got array\(\[nan",
         f"{HERE}:failing": r"failing failed \(.*own_parts.py:\d+\): ValueError: no field of name no_such_field",
+        f"{HERE}:leaving_score": r"leaving_score failed \(.*own_parts.py:\d+\): SystemExit: 3",
         f"{HERE}:alone": r"alone failed \(.*own_parts.py:\d+\): TypeError: alone\(\) takes 1 positional argument but 2",
     }.items(),
 )
@@ -204,9 +205,23 @@ def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     {
-        "Noisy": "own_parts:Noisy has a Dropout: PPO needs equal probabilities in rollouts and updates",
-        "Flat": r"own_parts:Flat must return features of floats, \[B, size\] for B observations; for 2 got \[2\]",
-        "Broken": r"own_parts:Broken failed on observations \[B, 10\]: RuntimeError",
+        "Noisy": "own_parts:Noisy draws random numbers in forward, as dropout does: PPO needs equal",
+        "FunctionalNoise": "draws random numbers in forward",
+        "RecurrentNoise": "draws random numbers in forward",
+        "Counting": "Counting returns other features when it is called again on the same observations",
+        "Spectral": r"Spectral changes its first.parametrizations.weight.0._\w in forward, as batch and spect",
+        "Normed": "Normed changes its norm.num_batches_tracked in forward",
+        "Centered": "Centered mixes the rows of a batch: the features of an observation depend on the others",
+        "Cut": "no gradient reaches first.weight, first.bias, second.weight, … of tests.ued.own_parts:Cut",
+        "Unlisted": "Unlisted uses weights that are not registered, so PPO would neither train nor save them; hold we",
+        "Wide": r"Wide must return float32 features, \[B, size\] for B observations; for 4 got .* of torch.float64",
+        "WideWeights": "WideWeights must have float32 weights, but its layer.weight is torch.float64",
+        "InPlace": "InPlace changes its observations in place; make new ones",
+        "Undefined": r"Undefined returned NaN or infinity for observations in \[0, 1\)",
+        "Flat": r"own_parts:Flat must return float32 features, \[B, size\] for B observations; for 4 got \[4\]",
+        "Squeezed": r"Squeezed must return float32 features, \[B, size\] for B observations; for 1 got \[16\]",
+        "Broken": r"own_parts:Broken failed on float32 observations \[B, 10\]: RuntimeError",
+        "leaving": r"own_parts:leaving\(space, config\) failed: SystemExit: 3",
         "no_network": r"own_parts:no_network\(space, config\) must return a torch.nn.Module, got 'a network'",
         "calls": r"own_parts:calls\(space, config\) failed: TypeError",
     }.items(),
@@ -214,6 +229,11 @@ def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
 def test_networks_that_are_none_are_refused(name, message):
     with pytest.raises(OwnCodeError, match=message):
         DR(frontier(), dataclasses.replace(PPO, network=f"{HERE}:{name}"))
+
+
+@pytest.mark.parametrize("name", ["Quiet", "Frozen"])
+def test_networks_that_only_look_wrong_learn(name):
+    DR(frontier(), dataclasses.replace(PPO, network=f"{HERE}:{name}")).update()
 
 
 def test_agents_of_one_policy_share_a_network_of_the_user():

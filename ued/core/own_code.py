@@ -21,6 +21,10 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
+FAILURES = (
+    Exception,
+    SystemExit,
+)  # all that user code can raise: sys.exit() in a score must not end a command silently
 NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
 
 
@@ -80,7 +84,7 @@ def load(name: str) -> Any:
         raise OwnCodeError(f"there is no file {place}, which {name} names")
     try:
         module = module_of(place)
-    except Exception as error:  # any error that a file of the user can cause
+    except FAILURES as error:
         raise OwnCodeError(f"{place} cannot be imported: {type(error).__name__}: {error}") from error
     if not hasattr(module, attribute):
         near = get_close_matches(attribute, vars(module), 1)
@@ -111,7 +115,7 @@ def call(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)
     except OwnCodeError:
         raise
-    except Exception as error:
+    except FAILURES as error:
         given = ", ".join(map(str, arguments))
         shown = given if len(given) < 300 else given[:300] + " …"
         kind = type(error).__name__

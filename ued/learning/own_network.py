@@ -1,20 +1,24 @@
 """A user network as the first layers of actor and critic, by name: `PPOConfig(network="my_nets.py:Net")`.
 
-The built-in memory and heads follow. Read next: `learning.networks`, the built-in networks; `learning.student`.
+A network that PPO could not learn with is rejected before training: see `rehearsed`. The built-in memory and heads
+follow. Read next: `learning.networks`, the built-in networks; `learning.student`.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import torch
 from gymnasium.spaces import Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.core.own_code import OwnCodeError, load
+from ued.core.own_code import FAILURES, OwnCodeError, load
 from ued.learning.networks import ONE_AGENT, Team, Torso
 
-ROWS = 2  # rows of the batch that tests a new network
-MOODY = (nn.modules.dropout._DropoutNd, nn.modules.batchnorm._BatchNorm)  # differ between training and playing
+ROWS = 4  # rows of the batch that tests a new network
+TOLERANCE = 1e-4  # of the largest feature: a sum over a batch of another size is rounded otherwise
+EQUAL = "PPO needs equal probabilities in rollouts and updates"
 
 
 class _Rows(nn.Module):
@@ -32,7 +36,7 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
     """Return the network that `config.network` names, made by `Net(space, config)`: `[B, ...]` -> `[B, size]`.
 
     Its weights are initialized from torch's global generator, temporarily seeded from `generator`. Raises
-    `OwnCodeError` unless it is a module with this output, and for several agents with separate policies.
+    `OwnCodeError` as `rehearsed`, and for several agents with separate policies.
     """
     name = config.network
     if team.policies > 1:
@@ -42,35 +46,130 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
         torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))
         try:
             network = made(space, config)
-        except Exception as error:  # user code can raise any error
+        except FAILURES as error:
             raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
         if not isinstance(network, nn.Module):
             raise OwnCodeError(f"{name}(space, config) must return a torch.nn.Module, got {network!r:.100}")
-        size = _size(name, network, space)
-    moody = next((part for part in network.modules() if isinstance(part, MOODY)), None)
-    if moody is not None:
-        raise OwnCodeError(
-            f"{name} has a {type(moody).__name__}: PPO needs equal probabilities in rollouts and updates; "
-            "use LayerNorm instead, or remove it"
-        )
+        size = rehearsed(name, network, space)
     return Torso([network if team.agents == 1 else _Rows(network)], size)
 
 
-def _size(name: str, network: nn.Module, space: Space) -> int:
-    """Return the number of features of a network. Raises `OwnCodeError` unless it maps `[B, ...]` to `[B, size]`."""
-    shape = space.shape or ()
-    try:
-        with torch.no_grad():
-            features = network(torch.zeros(ROWS, *shape))
-    except Exception as error:  # user code can raise any error
-        seen = ", ".join(map(str, ("B", *shape)))
-        raise OwnCodeError(f"{name} failed on observations [{seen}]: {type(error).__name__}: {error}") from error
-    if (
-        not isinstance(features, Tensor)
-        or features.ndim != 2
-        or len(features) != ROWS
-        or not features.is_floating_point()
-    ):
-        got = f"{list(features.shape)} of {features.dtype}" if isinstance(features, Tensor) else f"{features!r:.100}"
-        raise OwnCodeError(f"{name} must return features of floats, [B, size] for B observations; for {ROWS} got {got}")
+def rehearsed(name: str, network: nn.Module, space: Space) -> int:
+    """Return the number of features of a network, after it was tested on random observations in [0, 1).
+
+    Raises `OwnCodeError` unless it maps float32 `[B, ...]` to float32 `[B, size]`, always in the same way, each row
+    separately, and with gradients for all of its weights.
+    """
+    seen = torch.rand(ROWS, *(space.shape or ()), generator=torch.Generator().manual_seed(0))
+    features = _features(name, network, seen)  # the first call, which also makes lazy layers
+    _check_weights(name, network, features)
+    _check_constant(name, network, seen, features)
+    for part in (slice(0, 1), slice(ROWS - 1, ROWS), slice(0, ROWS // 2), slice(ROWS // 2, ROWS)):
+        if not _close(_features(name, network, seen[part]), features[part]):
+            raise OwnCodeError(
+                f"{name} mixes the rows of a batch: the features of an observation depend on the others. {EQUAL}, in "
+                "batches of any size; use each row alone, for example LayerNorm instead of BatchNorm"
+            )
     return features.shape[1]
+
+
+def _features(name: str, network: nn.Module, seen: Tensor) -> Tensor:
+    """Return the features `[B, size]` of observations `[B, ...]`, which must stay unchanged."""
+    given = seen.clone()
+    try:
+        features = network(given)
+    except FAILURES as error:
+        shape = ", ".join(map(str, ("B", *seen.shape[1:])))
+        raise OwnCodeError(
+            f"{name} failed on float32 observations [{shape}]: {type(error).__name__}: {error}"
+        ) from error
+    fits = isinstance(features, Tensor) and features.ndim == 2 and len(features) == len(seen) and features.numel() > 0
+    if not fits or features.dtype != torch.float32:
+        got = f"{list(features.shape)} of {features.dtype}" if isinstance(features, Tensor) else f"{features!r:.100}"
+        raise OwnCodeError(
+            f"{name} must return float32 features, [B, size] for B observations; for {len(seen)} got {got}"
+        )
+    if not features.isfinite().all():
+        raise OwnCodeError(f"{name} returned NaN or infinity for observations in [0, 1)")
+    if not torch.equal(given, seen):
+        raise OwnCodeError(f"{name} changes its observations in place; make new ones, x = x / 2 instead of x /= 2")
+    return features
+
+
+def _check_constant(name: str, network: nn.Module, seen: Tensor, features: Tensor) -> None:
+    """Raise `OwnCodeError` if another call has other features, draws random numbers or changes the network."""
+    stream, before = torch.get_rng_state(), _state(network)
+    with torch.inference_mode():  # as in a rollout
+        again = _features(name, network, seen)
+    if not torch.equal(stream, torch.get_rng_state()):
+        raise OwnCodeError(f"{name} draws random numbers in forward, as dropout does: {EQUAL}; remove dropout")
+    changed = _changed(before, _state(network))
+    if changed is not None:
+        raise OwnCodeError(
+            f"{name} changes its {changed} in forward, as batch and spectral normalization do: {EQUAL}; "
+            "use LayerNorm or weight_norm instead, or keep such values in local variables"
+        )
+    if not _close(again, features):
+        raise OwnCodeError(
+            f"{name} returns other features when it is called again on the same observations: {EQUAL}; keep no state, "
+            "and draw no random numbers in forward (for memory within an episode: --memory gru)"
+        )
+
+
+def _state(network: nn.Module) -> dict[str, tuple[Tensor, int]]:
+    """Return all weights and buffers of a network, and how often each was written."""
+    return {key: (value, value._version) for key, value in (*network.named_parameters(), *network.named_buffers())}
+
+
+def _changed(before: Mapping[str, tuple[Tensor, int]], after: Mapping[str, tuple[Tensor, int]]) -> str | None:
+    """Return the first name that was replaced by other values, or written, even with equal ones.
+
+    Spectral normalization, which converges, would write equal values before training and others during it.
+    """
+    for key, (old, writes) in before.items():
+        new, now = after.get(key, (None, 0))
+        if new is None or (writes != now if new is old else not torch.equal(old, new)):
+            return key
+    return None
+
+
+def _close(one: Tensor, other: Tensor) -> bool:
+    return one.shape == other.shape and bool((one - other).abs().max() <= TOLERANCE * other.abs().max())
+
+
+def _check_weights(name: str, network: nn.Module, features: Tensor) -> None:
+    """Raise `OwnCodeError` unless all weights are float32, and those of the module are those that learn."""
+    own = {weight: key for key, weight in network.named_parameters()}
+    for weight, key in own.items():
+        if weight.dtype != torch.float32:
+            raise OwnCodeError(f"{name} must have float32 weights, but its {key} is {weight.dtype}")
+    reached = _leaves(features)
+    if reached - own.keys():
+        raise OwnCodeError(
+            f"{name} uses weights that are not registered, so PPO would neither train nor save them; "
+            "hold weights in nn.Parameter attributes, nn.ParameterList or nn.ModuleList, not in lists"
+        )
+    apart = [key for weight, key in own.items() if weight.requires_grad and weight not in reached]
+    if apart:
+        raise OwnCodeError(
+            f"no gradient reaches {', '.join(apart[:3])}{', …' * (len(apart) > 3)} of {name}: forward does not use it, "
+            "or computes it under torch.no_grad or detach; remove it, or requires_grad_(False) if it must not learn"
+        )
+    try:
+        torch.autograd.grad(features.sum(), list(reached)) if reached else ()
+    except FAILURES as error:
+        raise OwnCodeError(f"{name} has no gradient: {type(error).__name__}: {error}") from error
+
+
+def _leaves(features: Tensor) -> set[Tensor]:
+    """Return the weights from which features were computed with gradients."""
+    found, known, open_nodes = set(), set(), [features.grad_fn]
+    while open_nodes:
+        node = open_nodes.pop()
+        if node is None or node in known:
+            continue
+        known.add(node)
+        if hasattr(node, "variable"):
+            found.add(node.variable)
+        open_nodes += [following for following, _ in node.next_functions]
+    return found

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ued.core.level_space import LevelSpace
-from ued.core.own_code import OwnCodeError, is_name, line_in, load
+from ued.core.own_code import FAILURES, OwnCodeError, is_name, line_in, load
 from ued.levels.record import NEGATIVE, make_records, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -109,7 +109,7 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
     try:
         given = own(records.copy(), best.copy())
         found = np.asarray(given)
-    except Exception as error:  # user code can raise any error
+    except FAILURES as error:
         raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
     numeric = found.dtype.kind in "biuf" and not np.ma.is_masked(given)  # the value below a mask is no score
     if found.shape != best.shape or not numeric or not np.isfinite(found).all():
