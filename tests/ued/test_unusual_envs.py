@@ -1,5 +1,7 @@
 """Environments that are unusual, but allowed: their values arrive whole, in training and in a loaded policy."""
 
+import warnings
+
 import gymnasium
 import numpy as np
 import pytest
@@ -76,6 +78,44 @@ def test_arrays_of_any_length_may_be_in_the_info():
     method = ued.DR(ued.GymUPOMDP(Growing, ignore, 1, 3), BRIEF, seed=0)
     method.update()
     assert (method.last.records["success"][:, 0, 0] == 1.0).all()
+
+
+class Double(Env):
+    """Observes float64: an offset and a random number."""
+
+    observation_space, offset = Box(-np.inf, np.inf, (2,), np.float64), 0.0
+
+    def see(self):
+        return np.array([0.0, self.offset + self.np_random.random()])
+
+
+@pytest.mark.parametrize(("offset", "told"), [(1e3, False), (1e9, True)])
+def test_observations_that_float32_rounds_away_are_named(offset, told):
+    class Far(Double):
+        pass
+
+    Far.offset = offset
+    method = ued.DR(ued.GymUPOMDP(Far, ignore, 1, 8), BRIEF, seed=0)
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        for _ in range(2):
+            method.update()
+    texts = [str(one.message) for one in heard if "float32" in str(one.message)]
+    assert len(texts) == told and all("rounds entry 1 of observations, near 1e+09, by more than 1%" in t for t in texts)
+
+
+@pytest.mark.parametrize("vectorized", [False, True])
+def test_observations_that_float32_cannot_hold_are_refused(vectorized):
+    class Huge(Double):
+        offset = 1e300
+
+    def many(count):
+        return gymnasium.vector.SyncVectorEnv([Huge] * count, autoreset_mode=gymnasium.vector.AutoresetMode.DISABLED)
+
+    env = ued.VectorUPOMDP(many, "each", 1, 2) if vectorized else ued.GymUPOMDP(Huge, ignore, 1, 2)
+    message = r"environment 0 returned an observation that is too large for float32 \(scale it .*\(level: theta \["
+    with pytest.raises(ued.LevelError, match=message):
+        env.reset(seed=0)
 
 
 def test_a_luck_function_returns_an_observation_of_the_environment_itself():

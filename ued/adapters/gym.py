@@ -28,6 +28,7 @@ from ued.adapters.level_env import (
     check_luck,
     level_in_words,
     name_of,
+    unusable,
 )
 from ued.adapters.observations import as_array
 from ued.adapters.success import SUCCESS, SuccessReports
@@ -289,13 +290,10 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
-        """Raise `LevelError` if an environment returned NaN or infinity in its part of `[N, ...]`."""
-        if numbers.dtype.kind != "f" or np.isfinite(numbers).all():
-            return
-        index = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
-        raise LevelError(
-            f"environment {index} returned {what} that is not finite: {numbers[index]} ({self._level(index)})"
-        )
+        """Raise `LevelError` if an environment returned NaN, infinity or too much in its part of `[N, ...]`."""
+        if (found := unusable(numbers)) is not None:
+            env, why = found
+            raise LevelError(f"environment {env} returned {what} that is {why}: {numbers[env]} ({self._level(env)})")
 
     def _level(self, env: int) -> str:
         return level_in_words(self.theta_map, self.levels["theta"][env], int(self.levels["seed"][env]))

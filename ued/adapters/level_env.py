@@ -14,7 +14,7 @@ import numpy as np
 from ued.adapters.observations import in_form
 from ued.adapters.success import SUCCESS
 from ued.core.level_space import LevelError
-from ued.core.own_code import line_in
+from ued.core.own_code import FAILURES, line_in
 from ued.core.parameters import ThetaMap
 
 # Applies a level's values to an environment. If it returns a dict, this becomes the options of `reset`.
@@ -24,6 +24,9 @@ SeedRule = bool | Callable[[int], int | None]
 # The luck of an episode: none, all draws of `reset(seed=)`, the draws from a seed under this key of the reset's
 # options, or the effect of a function of the reset environment and a seed.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
+
+
+FLOAT32 = float(np.finfo(np.float32).max)
 
 
 class Start(NamedTuple):
@@ -56,7 +59,7 @@ class LevelEnv(gymnasium.Wrapper):
         try:
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
-        except Exception as error:
+        except FAILURES as error:
             raise self._failed("the function that applies levels", error, self.apply) from error
         if isinstance(returned, dict):
             options = {**returned, **options}
@@ -70,7 +73,7 @@ class LevelEnv(gymnasium.Wrapper):
                 seen = self.luck(self.env, start.luck)
                 observation = observation if seen is None else in_form(self.env, seen)
             return self._checked(observation), info
-        except Exception as error:
+        except FAILURES as error:
             raise self._failed("reset", error) from error
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -83,7 +86,7 @@ class LevelEnv(gymnasium.Wrapper):
                 if name in info:
                     _check_number(f"info[{name!r}]", info[name])
             return self._checked(observation), reward, terminated, truncated, info
-        except Exception as error:
+        except FAILURES as error:
             raise self._failed("step", error) from error
 
     def _checked(self, observation: Any) -> Any:
@@ -93,7 +96,7 @@ class LevelEnv(gymnasium.Wrapper):
             raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
         return observation
 
-    def _failed(self, what: str, error: Exception, function: Any = None) -> LevelError:
+    def _failed(self, what: str, error: BaseException, function: Any = None) -> LevelError:
         """Return an error as a `LevelError` with the line in the file of the user's `function`.
 
         If `function` is None, it is the environment's method named `what`.
@@ -118,6 +121,21 @@ def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
     values = str(theta_map.values(theta))
     shown = values if len(values) < 1000 else values[:1000] + " …"
     return f"level: theta [{row}], that is {shown}; seed {seed}"
+
+
+def unusable(numbers: np.ndarray) -> tuple[int, str] | None:
+    """Return the first environment whose part of `[N, ...]` no student can learn from, and what it is; None: no such.
+
+    Students compute in float32, where larger numbers would be infinite.
+    """
+    if numbers.dtype.kind != "f":
+        return None
+    fits = np.abs(numbers) <= FLOAT32 if numbers.dtype.itemsize > 4 else np.isfinite(numbers)
+    if fits.all():
+        return None
+    index = int(np.flatnonzero(~fits.reshape(len(numbers), -1).all(1))[0])
+    large = np.isfinite(numbers[index]).all()
+    return index, "too large for float32 (scale it in the environment)" if large else "not finite"
 
 
 def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:

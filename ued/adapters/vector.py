@@ -16,10 +16,10 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
-from ued.adapters.level_env import check_apply, level_in_words
+from ued.adapters.level_env import check_apply, level_in_words, unusable
 from ued.adapters.success import SuccessReports
 from ued.core.level_space import LevelError
-from ued.core.own_code import line_in
+from ued.core.own_code import FAILURES, line_in
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.upomdp import UPOMDP, check_count
 
@@ -113,7 +113,7 @@ class VectorUPOMDP(UPOMDP):
             self._reset(where, values, seeds)
         except LevelError:
             raise
-        except Exception as error:  # user code can raise any error
+        except FAILURES as error:
             raise self._failed(f"a reset{line_in(self.apply, error)}", where, error) from error
         self._over[where] = False
 
@@ -167,7 +167,7 @@ class VectorUPOMDP(UPOMDP):
             self._begin(np.flatnonzero(self._over))
         try:
             seen, rewards, terminated, truncated, infos = self.vector.step(actions)
-        except Exception as error:  # user code can raise any error
+        except FAILURES as error:
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         for name, column in {"rewards": rewards, "terminated": terminated, "truncated": truncated}.items():
@@ -206,14 +206,12 @@ class VectorUPOMDP(UPOMDP):
             raise LevelError(f"{self.vector}: {what} must have shape {expected}, got {shape}")
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
-        """Raise `LevelError` if an environment returned NaN or infinity in its part of `[N, ...]`."""
-        if numbers.dtype.kind == "f" and not np.isfinite(numbers).all():
-            env = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
-            raise LevelError(
-                f"environment {env} returned {what} that is not finite: {numbers[env]} ({self._level(env)})"
-            )
+        """Raise `LevelError` if an environment returned NaN, infinity or too much in its part of `[N, ...]`."""
+        if (found := unusable(numbers)) is not None:
+            env, why = found
+            raise LevelError(f"environment {env} returned {what} that is {why}: {numbers[env]} ({self._level(env)})")
 
-    def _failed(self, what: str, where: np.ndarray, error: Exception) -> LevelError:
+    def _failed(self, what: str, where: np.ndarray, error: BaseException) -> LevelError:
         several = f", the first of {len(where)}" if len(where) > 1 else ""
         return LevelError(
             f"{self.vector} failed in {what}: {type(error).__name__}: {error} "

@@ -18,6 +18,7 @@ from gymnasium.spaces import Discrete
 from ued.core.resumable import Resumable
 from ued.core.upomdp import UPOMDP
 from ued.learning.rollout import Rollout
+from ued.learning.rounding import Rounding
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
@@ -73,6 +74,7 @@ class RolloutWorker(Resumable):
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self.tape: ActionTape | None = None  # set if episodes will be replayed
         self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # sends to the device of the student
+        self.rounding = Rounding()
         self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
 
     def start(self, records: np.ndarray) -> None:
@@ -88,6 +90,7 @@ class RolloutWorker(Resumable):
     def begin(self) -> None:
         """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
+        self.rounding.note(self.observation)
 
     @property
     def is_compiled(self) -> bool:
@@ -184,6 +187,7 @@ class RolloutWorker(Resumable):
 
     def finish(self) -> None:
         """Finish the rollout: store the values of the observations after its last step."""
+        self.rounding.note(self.observation)
         if self.student is not None:
             last = torch.as_tensor(self.observation, dtype=torch.float32)
             self.rollout.last_value[:] = self.student.value(last, self.memory)
