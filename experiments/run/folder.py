@@ -169,7 +169,7 @@ class RunFolder:
         """
         try:
             yield
-        except Exception:
+        except own_code.FAILURES:
             if self._made is not None and all(entry.name in UNTRAINED for entry in self.path.iterdir()):
                 for entry in self.path.iterdir():
                     entry.unlink()

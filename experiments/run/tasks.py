@@ -23,7 +23,7 @@ from regista.experiments.run import trust
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
-from ued.core.own_code import module_of
+from ued.core.own_code import FAILURES, module_of
 from ued.core.painter import line_color_of
 
 if TYPE_CHECKING:
@@ -218,13 +218,13 @@ def user_code(what: str) -> Iterator[None]:
     """Convert errors in the user's code into a `TaskError` that reports the line."""
     try:
         yield
-    except Exception as error:
+    except FAILURES as error:
         if exit_code(error) or (isinstance(error, ModuleNotFoundError) and error.name in EXTRAS):
             raise
         raise TaskError(f"{what}: {type(error).__name__}: {error}{_line_of(error)}; see --debug") from error
 
 
-def _line_of(error: Exception) -> str:
+def _line_of(error: BaseException) -> str:
     """Return the last traceback line in the user's own code, or an empty string."""
     import ued
 

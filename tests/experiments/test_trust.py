@@ -289,8 +289,14 @@ def test_own_parts_are_stored_and_need_no_word_of_it_again(own_run, tmp_path, mo
             1,
             r"regista: the score .*parts.py:score failed \(.*parts.py:2\): ZeroDivisionError: division by zero",
         ),
+        ("best if len(best) == 8 else exit(3)", 1, r"regista: the score .*parts.py:score failed .*: SystemExit: 3"),
+        (
+            "best if len(best) == 8 else best * float('nan')",
+            1,
+            r"regista: the score .* must be a finite number for each of \d+ levels, got nan for level 0 \(theta \[",
+        ),
     ],
-    ids=["before training", "during training"],
+    ids=["before training", "during training", "leaving", "nan"],
 )
 def test_a_score_that_fails_is_reported_in_one_sentence(body, code, sentence, tmp_path, capsys):
     write(tmp_path / "honest_task.py")
@@ -299,6 +305,7 @@ def test_a_score_that_fails_is_reported_in_one_sentence(body, code, sentence, tm
     assert main(["train", "honest_task.py:make", *TINY, *words]) == code
     said = capsys.readouterr().err
     assert re.match(sentence, said) and len(said.splitlines()) == 1
+    assert not (tmp_path / "runs" / "own").exists()
 
 
 @pytest.mark.slow

@@ -263,6 +263,8 @@ class Odd(gymnasium.Wrapper):
         if self.wrong == "old step":
             return seen, reward, False, {}
         seen = {"shape": seen[:2], "nan": seen * np.nan}.get(self.wrong, seen)
+        if self.wrong == "exit":
+            raise SystemExit(3)
         return seen, {"reward": np.inf, "no reward": None}.get(self.wrong, reward), *rest
 
 
@@ -273,6 +275,7 @@ class Odd(gymnasium.Wrapper):
         ("old step", "failed in step"),
         ("shape", r"the observation has shape \(2,\), observation_space has \(4,\)"),
         ("nan", "environment 0 returned an observation that is not finite"),
+        ("exit", "failed in step: SystemExit: 3"),
         ("reward", "environment 0 returned a reward that is not finite: inf"),
         ("no reward", "failed in step: ValueError: the reward must be a number, got None"),
     ],

@@ -24,9 +24,7 @@ SeedRule = bool | Callable[[int], int | None]
 # The luck of an episode: none, all draws of `reset(seed=)`, the draws from a seed under this key of the reset's
 # options, or the effect of a function of the reset environment and a seed.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
-
-
-FLOAT32 = float(np.finfo(np.float32).max)
+FLOAT32 = float(np.finfo(np.float32).max)  # the largest number of the students' precision
 
 
 class Start(NamedTuple):

@@ -111,11 +111,23 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
         found = np.asarray(given)
     except FAILURES as error:
         raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
+    wrong = f"the score {rule} must be a finite number for each of {len(best)} levels, got"
     numeric = found.dtype.kind in "biuf" and not np.ma.is_masked(given)  # the value below a mask is no score
-    if found.shape != best.shape or not numeric or not np.isfinite(found).all():
+    if found.shape != best.shape or not numeric:
         got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{given!r:.100}"
-        raise OwnCodeError(f"the score {rule} must be a finite number for each of {len(best)} levels, got {got}")
+        raise OwnCodeError(f"{wrong} {got}")
+    if len(bad := np.flatnonzero(~np.isfinite(found))):
+        count = f" and {len(bad) - 1} others" * (len(bad) > 1)
+        raise OwnCodeError(f"{wrong} {found[bad[0]]} for {_in_words(records[bad[0]])}{count}")
     return found.astype(np.float64)
+
+
+def _in_words(record: np.void) -> str:
+    """Return a level record as a text for an error: enough to play the level again."""
+    theta, returns = record["level"]["theta"], record["returns"][0]
+    row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
+    played = ", ".join(f"{x:.6g}" for x in returns[:8]) + ", …" * (len(returns) > 8)
+    return f"level {record['id']} (theta [{row}], seed {record['level']['seed']}, returns [{played}])"
 
 
 def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
