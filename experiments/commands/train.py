@@ -165,6 +165,8 @@ def restore(run: RunFolder, method: Any) -> float:
     A run that ended before its first checkpoint restarts from zero, with a warning.
     Raises `CommandError` if the environments have changed, or for another version of the simulator.
     """
+    from regista.experiments.run.evaluator import load_students
+
     state = run.load()
     if state is None:
         if done := run.env_steps():
@@ -175,7 +177,8 @@ def restore(run: RunFolder, method: Any) -> float:
     versions.check_present(version, f"{run.checkpoint} was trained on", EVALUATED_ALONE)
     try:
         method.load_state_dict(state["method"])
-    except DAMAGE as error:  # damaged, or the state of the environments has another layout
+    except DAMAGE as error:  # damaged, another network, or the state of the environments has another layout
+        load_students(run, method, state["method"])  # raises if it cannot be evaluated, either
         raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
     run.cut_back(state["update"])
     return float(state["elapsed"])

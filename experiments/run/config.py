@@ -261,7 +261,7 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
     config: Config = _read(kind, data, where, path="")
-    note_read(*own_names(config))  # user code that an untrusted file may name
+    note_read(getattr(config, "minigame", ""), *own_names(config), file=where)  # code that an untrusted file may name
     return config
 
 

@@ -61,8 +61,9 @@ def refused(error: Exception) -> str:
     if isinstance(error, KeyError):
         return f"{error} is missing"
     first, _, rest = str(error).partition("\n")
+    rest = rest.strip().partition("\n")[0]
     network = re.fullmatch(r"Error\(s\) in loading state_dict for (\w+):", first)  # torch's message lists every weight
-    return f"its {network[1]} has other weights: {rest.partition('. ')[0].strip()}" if network else first
+    return f"its {network[1]} has other weights: {rest.rstrip('. ')}" if network else first
 
 
 @contextmanager

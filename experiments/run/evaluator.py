@@ -24,6 +24,7 @@ from regista.experiments.run.report import Report
 from regista.experiments.run.results import BASELINE, LevelResult, Result, summarize, summarize_levels
 from regista.experiments.run.watch import Watch
 from ued.config import own_names
+from ued.core.own_code import is_name
 from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
 
 if TYPE_CHECKING:
@@ -337,11 +338,22 @@ def load_method(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     on_host = on_host.on_engine(EngineConfig(engine="regista"))  # observations are the same in both engines
     upomdp = build.make_upomdp(game.task(on_host).make, config.num_envs, config.seed)
     method = build.make_method(on_host, upomdp)
+    load_students(run, method, state["method"])
+    return method, (state["env_steps"], state["update"])
+
+
+def load_students(run: RunFolder, method: Any, state: Any) -> None:
+    """Load the students of a run's checkpoint into its method. Raises `CommandError` for students of another kind."""
+    network = run.config.ppo.network
     try:
-        method.load_students(state["method"])
+        method.load_students(state)
     except RuntimeError as error:
         seen = method.upomdp.single_observation_space
+        if is_name(network):
+            raise CommandError(
+                f"{run.path}: {network} or the observations, {seen}, have changed since training; restore them: "
+                f"{refused(error)}"
+            ) from error
         raise CommandError(f"{run.path} holds a student with observations other than {seen}; train it again") from error
     except DAMAGE as error:  # another number of agents, or damaged
         raise CommandError(f"{run.path}: {refused(error)}") from error
-    return method, (state["env_steps"], state["update"])

@@ -87,10 +87,7 @@ class RunFolder:
             run._saved = None
             prepare(run)
             run.save_config()
-        for name in own_names(config):
-            if not own_code.is_noted(name):  # named on the command line or by running Python code
-                trust.allow(name)
-                trust.remember(name)
+        run._remember_code()
         return run
 
     @classmethod
@@ -125,7 +122,7 @@ class RunFolder:
         return versions.saved_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
 
     def extend(self, config: TrainConfig) -> None:
-        """Change the budget or logging settings; settings that affect results must not differ.
+        """Change the budget, logging settings or places of moved code; settings that affect results must not differ.
 
         `save_config` writes the change, so a folder that turns out to be damaged stays unchanged. Raises `CommandError`
         for a run of another simulator version, and for a budget that the run has exceeded.
@@ -140,9 +137,17 @@ class RunFolder:
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others
-            if name not in MAY_CHANGE and not of_others:
+            if name not in MAY_CHANGE and not of_others and not trust.is_moved(old, new):
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         self.config, self.levels = config, open_levels(self.path, config.levels_format)
+        self._remember_code()
+
+    def _remember_code(self) -> None:
+        """Trust the scores and networks that the user named, on the command line or in Python, in later commands."""
+        for name in own_names(self.config):
+            if not own_code.is_noted(name):
+                trust.allow(name)
+                trust.remember(name)
 
     def save_config(self) -> None:
         """Write the settings if they differ from config.json. The caller must hold the lock, see `locked`."""

@@ -23,6 +23,7 @@ from regista.experiments.run import trust
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
+from ued.core import own_code
 from ued.core.own_code import FAILURES, module_of
 from ued.core.painter import line_color_of
 
@@ -202,7 +203,7 @@ def load_task(name: str) -> tuple[Task, str]:
     if not built_in and (not place.endswith(".py") or Path(place).expanduser().is_file()):
         trust.check(name)
     with user_code(f"{place} cannot be imported"):
-        module = _import(place)
+        module = _import(place, own_code.advice(name))
     if not hasattr(module, attribute):
         raise UsageError(f"{place} has no '{attribute}'{nearest(attribute, vars(module))}")
     task = getattr(module, attribute)
@@ -236,12 +237,13 @@ def _line_of(error: BaseException) -> str:
     return f" ({lines[-1].filename}, line {lines[-1].lineno})" if lines else ""
 
 
-def _import(place: str) -> ModuleType:
+def _import(place: str, advice: str) -> ModuleType:
+    """Import a file or a module; `advice` ends the error of a missing one. Raises `UsageError` if it is missing."""
     if place.endswith(".py"):
         if not Path(place).expanduser().is_file():
-            raise UsageError(f"there is no file {place}")
+            raise UsageError(f"there is no file {place}{advice}")
         return module_of(place)
     try:
         return module_of(place)
     except ModuleNotFoundError as error:
-        raise UsageError(f"there is no module {error.name} (importing {place})") from error
+        raise UsageError(f"there is no module {error.name} (importing {place}){advice}") from error

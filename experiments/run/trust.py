@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.machinery import PathFinder
 from pathlib import Path
+from typing import Any
 
 from regista.experiments.run.errors import CommandError
 from ued.core import own_code
@@ -53,9 +54,14 @@ def check(name: str, what: str = "the task") -> None:
     """Raise `TrustError` for code that this user has not named."""
     if allows(name):
         return
+    if file_of(name) is None:
+        raise TrustError(
+            f"cannot import module {name.rpartition(':')[0]} for {what} {name}, which a file names: no file of this "
+            f"module is found; start the command where it can be imported{own_code.advice(name)}"
+        )
     raise TrustError(
         f"a file names {what} {name}, which is Python code that this command would run, but no command line of yours "
-        f"has named it; read {file_of(name) or 'it'}, and add {FLAG} to run it"
+        f"has named it; read {file_of(name)}, and add {FLAG} to run it"
     )
 
 
@@ -103,6 +109,14 @@ def file_of(name: str) -> Path | None:
     except (ImportError, ValueError, AttributeError):
         return None
     return Path(found.origin).resolve() if found and found.has_location and found.origin else None
+
+
+def is_moved(old: Any, new: Any) -> bool:
+    """Return whether two settings name the same function or class, and the file of the old name is missing."""
+    if not (own_code.is_name(str(old)) and own_code.is_name(str(new))):
+        return False
+    file = file_of(old)
+    return (file is None or not file.is_file()) and old.rpartition(":")[2] == new.rpartition(":")[2]
 
 
 def _is_named(name: str) -> bool:

@@ -339,3 +339,55 @@ def test_a_policy_with_a_network_of_its_user_needs_trust_in_python(own_run, tmp_
     with pytest.raises(trust.TrustError, match=r"a file names the function or class .*parts.py:Net"):
         regista.load_policy(own_run)
     assert regista.load_policy(own_run, trusted=True).act([0.0] * 5) is not None
+
+
+@pytest.mark.slow
+def test_moved_code_is_named_again_on_the_command_line(own_run, tmp_path, capsys):
+    evaluated = ["evaluate", str(own_run), "--episodes", "2", "--levels", "0"]
+    resumed = ["train", "--resume", str(own_run), "--total-env-steps", "48"]
+    (tmp_path / "new").mkdir()
+    (tmp_path / "parts.py").rename(tmp_path / "new" / "parts.py")
+    for words in (evaluated, resumed):
+        assert main(words) == 2
+        sentence = rf"no file {tmp_path}/parts.py, .*; if it was moved, change its name in {own_run}/config.json"
+        assert re.search(sentence, capsys.readouterr().err)
+    assert main([*resumed, "--plr.score", "new/parts.py:score"]) == 2  # the network is missing still
+    assert main([*resumed, "--plr.score", "new/parts.py:other", "--network", "new/parts.py:Net"]) == 1
+    assert main([*resumed, "--plr.score", "new/parts.py:score", "--network", "new/parts.py:Net"]) == 0
+    assert main(evaluated) == 0
+    (tmp_path / "parts.py").write_text((tmp_path / "new" / "parts.py").read_text())
+    capsys.readouterr()
+    assert main([*resumed, "--network", "parts.py:Net"]) == 1  # the code of the run is still where it was
+    assert "was trained with ppo.network" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_moved_task_is_named_again(run, tmp_path, capsys):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "honest_task.py").rename(tmp_path / "new" / "honest_task.py")
+    assert main(["evaluate", str(run), "--episodes", "2"]) == 2
+    assert re.search(r"honest_task.py; if it was moved, change its name in .*config.json", capsys.readouterr().err)
+    assert main(["train", "new/honest_task.py:make", "--resume", str(run), "--total-env-steps", "48"]) == 0
+    assert main(["evaluate", str(run), "--episodes", "2", "--levels", "0"]) == 0
+
+
+@pytest.mark.slow
+def test_a_module_that_is_not_found_is_reported_as_such(own_run, capsys):
+    text = (own_run / "config.json").read_text()
+    (own_run / "config.json").write_text(re.sub(r'"[^"]*parts.py:score"', '"gone_parts:score"', text))
+    assert main(["train", "--resume", str(own_run), "--total-env-steps", "48"]) == 1
+    assert "cannot import module gone_parts for the function or class gone_parts:score" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_changed_network_is_reported_alike_by_every_command(own_run, tmp_path, capsys):
+    parts = tmp_path / "parts.py"
+    parts.write_text(parts.read_text().replace("LazyLinear(4)", "LazyLinear(5)"))
+    sys.modules.pop("parts", None)  # another process
+    for words in (["train", "--resume", str(own_run), "--total-env-steps", "48"], ["evaluate", str(own_run)]):
+        assert main(words) == 1
+        said = capsys.readouterr().err
+        assert re.search(r"parts.py:Net or the observations, .* have changed since training; restore them", said)
+        assert "size mismatch" in said and len(said.splitlines()) == 1 and "can be evaluated" not in said
+    with pytest.raises(checkpoint.CheckpointError, match=r"or .*parts.py:Net has changed since training"):
+        regista.load_policy(own_run, trusted=True)

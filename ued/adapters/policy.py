@@ -116,7 +116,8 @@ def load_policy(
     except OwnCodeError as error:
         raise CheckpointError(f"{file}: {error}") from error
     except Exception as error:  # any error that damaged values can cause
-        raise CheckpointError(f"{file} is damaged: its student or its spaces are invalid") from error
+        own = f", or {ppo['network']} has changed since training" if own_code.is_name(str(ppo.get("network"))) else ""
+        raise CheckpointError(f"{file} is damaged: its student or its spaces are invalid{own}") from error
     student.requires_grad_(False)
     shape = seen.shape or ()
     observation_space = seen if isinstance(seen, Parts) else observation_space

@@ -37,7 +37,7 @@ def _refuse(name: str) -> None:
 
 
 checks: list[Callable[[str], None]] = [_refuse]  # the last one raises an error for a name that may not run
-_noted: set[str] = set()  # names that were read from a file
+_noted: dict[str, str] = {}  # names that were read from a file, and its path
 
 
 def is_name(text: str) -> bool:
@@ -51,9 +51,9 @@ def canonical(name: str) -> str:
     return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
 
 
-def note_read(*names: str) -> None:
+def note_read(*names: str, file: str = "") -> None:
     """Record that a file names this code, so that it is checked before it is loaded."""
-    _noted.update(map(canonical, names))
+    _noted.update({canonical(name): file for name in names})
 
 
 def is_noted(name: str) -> bool:
@@ -63,7 +63,13 @@ def is_noted(name: str) -> bool:
 
 def permit(name: str) -> None:
     """Allow code that a file names: the user has confirmed it."""
-    _noted.discard(canonical(name))
+    _noted.pop(canonical(name), None)
+
+
+def advice(name: str) -> str:
+    """Return the end of the error of missing code: the run's settings in which a moved file must be renamed, or ""."""
+    file = _noted.get(canonical(name), "")
+    return f"; if it was moved, change its name in {file}" if file.endswith("config.json") else ""
 
 
 def check(name: str) -> None:
@@ -78,10 +84,10 @@ def load(name: str) -> Any:
     Raises `OwnCodeError` if it is missing or cannot be imported, and the error of a check for a name from a file.
     """
     name = canonical(name)
-    check(name)
     place, _, attribute = name.rpartition(":")
     if place.endswith(".py") and not Path(place).is_file():
-        raise OwnCodeError(f"there is no file {place}, which {name} names")
+        raise OwnCodeError(f"there is no file {place}, which {name} names{advice(name)}")
+    check(name)
     try:
         module = module_of(place)
     except FAILURES as error:
