@@ -55,7 +55,9 @@ def lesson_of(text: str) -> Lesson:
     names = [name for name, _ in entries]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise ValueError(f"the lesson {text!r} has {twice!r} twice; options of one parameter are joined, as in a|b")
+        raise ValueError(
+            f"the lesson {text!r} has {twice!r} twice; give each parameter one range, or options joined as in a|b"
+        )
     return Lesson(text, entries, until)
 
 

@@ -112,11 +112,18 @@ def file_of(name: str) -> Path | None:
 
 
 def is_moved(old: Any, new: Any) -> bool:
-    """Return whether two settings name the same function or class, and the file of the old name is missing."""
+    """Return whether two settings name the same function of a file with the same name, and the old file is missing."""
     if not (own_code.is_name(str(old)) and own_code.is_name(str(new))):
         return False
     file = file_of(old)
-    return (file is None or not file.is_file()) and old.rpartition(":")[2] == new.rpartition(":")[2]
+    (old_place, _, function), (new_place, _, other) = old.rpartition(":"), new.rpartition(":")
+    same = function == other and _stem(old_place) == _stem(new_place)
+    return same and (file is None or not file.is_file())
+
+
+def _stem(place: str) -> str:
+    """Return the name of a module without its folder or package."""
+    return Path(place).stem if place.endswith(".py") else place.rpartition(".")[2]
 
 
 def _is_named(name: str) -> bool:

@@ -362,6 +362,13 @@ def test_moved_code_is_named_again_on_the_command_line(own_run, tmp_path, capsys
 
 
 @pytest.mark.slow
+def test_another_file_is_no_moved_one(tmp_path):
+    assert trust.is_moved(f"{tmp_path}/old/parts.py:make", f"{tmp_path}/new/parts.py:make")
+    assert trust.is_moved("no_such_package.parts:make", f"{tmp_path}/parts.py:make")
+    assert not trust.is_moved(f"{tmp_path}/old/first.py:make", f"{tmp_path}/old/second.py:make")
+    assert not trust.is_moved(f"{tmp_path}/old/parts.py:make", f"{tmp_path}/new/parts.py:other")
+
+
 def test_a_moved_task_is_named_again(run, tmp_path, capsys):
     (tmp_path / "new").mkdir()
     (tmp_path / "honest_task.py").rename(tmp_path / "new" / "honest_task.py")

@@ -145,6 +145,18 @@ class Cut(Net):
             return super().forward(observation)
 
 
+class Unused(Net):
+    """Has a layer that forward does not call, and keeps its features."""
+
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        self.spare = nn.Linear(2, 2)
+
+    def forward(self, observation):
+        self.last = super().forward(observation)
+        return self.last
+
+
 class Unlisted(nn.Module):
     def __init__(self, space, config):
         super().__init__()

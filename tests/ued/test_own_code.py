@@ -1,5 +1,6 @@
 """Scores and networks of the user by name: they are used, resume, and are refused in a sentence if they are wrong."""
 
+import copy
 import dataclasses
 from pathlib import Path
 
@@ -229,6 +230,12 @@ def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
 def test_networks_that_are_none_are_refused(name, message):
     with pytest.raises(OwnCodeError, match=message):
         DR(frontier(), dataclasses.replace(PPO, network=f"{HERE}:{name}"))
+
+
+def test_a_layer_that_learns_nothing_is_a_warning():
+    with pytest.warns(UserWarning, match=r"no gradient reaches spare.weight, spare.bias of .*own_parts:Unused"):
+        student = DR(frontier(), dataclasses.replace(PPO, network=f"{HERE}:Unused")).student
+    copy.deepcopy(student)  # the features that it keeps have no gradient
 
 
 @pytest.mark.parametrize("name", ["Quiet", "Frozen"])

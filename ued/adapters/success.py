@@ -45,7 +45,7 @@ class SuccessReports:
 
     def _check(self, env: int, success: float, reported: bool) -> None:
         """Raise `LevelError` unless an episode reports its success as earlier ones did."""
-        rule = "True, False, or None if it is not known"
+        rule = "True or False, also when it is truncated"
         if self.expected is None:
             self.expected = reported
         if reported != self.expected:
@@ -56,7 +56,7 @@ class SuccessReports:
             )
         if success not in (0, 1) and not np.isnan(success):
             raise LevelError(
-                f"environment {env} reported the success {success:g}; it must be {rule} ({self.level(env)})"
+                f"environment {env} reported the success {success:g}; it must be True or False ({self.level(env)})"
             )
 
     def _numbers(self, name: str, values: Any, num_envs: int) -> np.ndarray:

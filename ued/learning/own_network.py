@@ -6,6 +6,7 @@ follow. Read next: `learning.networks`, the built-in networks; `learning.student
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 
 import torch
@@ -58,14 +59,16 @@ def rehearsed(name: str, network: nn.Module, space: Space) -> int:
     """Return the number of features of a network, after it was tested on random observations in [0, 1).
 
     Raises `OwnCodeError` unless it maps float32 `[B, ...]` to float32 `[B, size]`, always in the same way, each row
-    separately, and with gradients for all of its weights.
+    separately, and with gradients; it warns of weights without any.
     """
     seen = torch.rand(ROWS, *(space.shape or ()), generator=torch.Generator().manual_seed(0))
     features = _features(name, network, seen)  # the first call, which also makes lazy layers
     _check_weights(name, network, features)
     _check_constant(name, network, seen, features)
     for part in (slice(0, 1), slice(ROWS - 1, ROWS), slice(0, ROWS // 2), slice(ROWS // 2, ROWS)):
-        if not _close(_features(name, network, seen[part]), features[part]):
+        with torch.no_grad():  # the last calls: a module that keeps its features can be copied
+            alone = _features(name, network, seen[part])
+        if not _close(alone, features[part]):
             raise OwnCodeError(
                 f"{name} mixes the rows of a batch: the features of an observation depend on the others. {EQUAL}, in "
                 "batches of any size; use each row alone, for example LayerNorm instead of BatchNorm"
@@ -99,7 +102,7 @@ def _features(name: str, network: nn.Module, seen: Tensor) -> Tensor:
 def _check_constant(name: str, network: nn.Module, seen: Tensor, features: Tensor) -> None:
     """Raise `OwnCodeError` if another call has other features, draws random numbers or changes the network."""
     stream, before = torch.get_rng_state(), _state(network)
-    with torch.inference_mode():  # as in a rollout
+    with torch.no_grad():
         again = _features(name, network, seen)
     if not torch.equal(stream, torch.get_rng_state()):
         raise OwnCodeError(f"{name} draws random numbers in forward, as dropout does: {EQUAL}; remove dropout")
@@ -107,7 +110,7 @@ def _check_constant(name: str, network: nn.Module, seen: Tensor, features: Tenso
     if changed is not None:
         raise OwnCodeError(
             f"{name} changes its {changed} in forward, as batch and spectral normalization do: {EQUAL}; "
-            "use LayerNorm or weight_norm instead, or keep such values in local variables"
+            "use LayerNorm or nn.utils.parametrizations.weight_norm instead, or keep such values in local variables"
         )
     if not _close(again, features):
         raise OwnCodeError(
@@ -151,10 +154,13 @@ def _check_weights(name: str, network: nn.Module, features: Tensor) -> None:
         )
     apart = [key for weight, key in own.items() if weight.requires_grad and weight not in reached]
     if apart:
-        raise OwnCodeError(
-            f"no gradient reaches {', '.join(apart[:3])}{', …' * (len(apart) > 3)} of {name}: forward does not use it, "
-            "or computes it under torch.no_grad or detach; remove it, or requires_grad_(False) if it must not learn"
+        said = (
+            f"no gradient reaches {', '.join(apart[:3])}{', …' * (len(apart) > 3)} of {name}: for these observations "
+            "forward does not use it, or computes it under torch.no_grad or detach"
         )
+        if not reached:
+            raise OwnCodeError(said)
+        warnings.warn(f"{said}; it may be meant, as in a mixture of experts", stacklevel=2)
     try:
         torch.autograd.grad(features.sum(), list(reached)) if reached else ()
     except FAILURES as error:

@@ -140,7 +140,10 @@ def _weights(parameter: Parameter, cells: Cells, values: str) -> np.ndarray:
     named = [word[1:-1] if word not in cells.names and re.fullmatch(r"'.*'|\".*\"", word) else word for word in words]
     unknown = next((word for word in named if word not in cells.names), None)
     if unknown is not None:
-        listed = " | ".join(f"'{name}'" if re.search("[,|]", name) else name for name in cells.names)
+        quoted = (f'"{name}"' if "'" in name else f"'{name}'" for name in cells.names)
+        listed = " | ".join(
+            sign if re.search(r"[,|]|\buntil\b", name) else name for name, sign in zip(cells.names, quoted, strict=True)
+        )
         raise ValueError(f"{parameter.name!r} has no option {unknown!r}; options are {listed}")
     weights = np.where([name in named for name in cells.names], cells.shares, 0.0)
     return weights / weights.sum()
