@@ -112,7 +112,7 @@ class RunFolder:
         if not (path / "config.json").exists():
             inside = sorted(entry.parent.name for entry in path.glob("*/config.json"))
             holds = f"; it holds runs, such as {path / inside[0]}" if inside else ""
-            raise CommandError(f"{path} is not a run folder: {folder_of(path) or f'it has no config.json{holds}'}")
+            raise CommandError(f"{path} is not a run folder: {advice_on_file(path) or f'it has no config.json{holds}'}")
         check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
@@ -326,7 +326,7 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
-def folder_of(path: Path) -> str:
+def advice_on_file(path: Path) -> str:
     """Return advice for a path that is a file in a run folder, such as its config.json; "" for others."""
     inside = path.is_file() and (path.parent / "config.json").exists()
     return f"it is a file in one; give the folder, {path.parent}" if inside else ""

@@ -12,7 +12,7 @@ from typing import Any
 from regista.experiments.run import config as configs
 from regista.experiments.run import versions
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.folder import MAY_CHANGE, RunFolder, folder_of
+from regista.experiments.run.folder import MAY_CHANGE, RunFolder, advice_on_file
 from regista.experiments.run.notes import warn
 from regista.experiments.run.shipped import located
 
@@ -45,7 +45,7 @@ def _warn_of_copies(runs: Sequence[RunFolder]) -> None:
 def _runs_in(folder: Path) -> list[RunFolder]:
     runs = [RunFolder.open(path) for path in _below(folder, DEPTH)]
     if not runs:
-        wrong = folder_of(folder) or "it has no config.json, and holds no run folders"
+        wrong = advice_on_file(folder) or "it has no config.json, and holds no run folders"
         raise CommandError(f"{folder} is not a run folder: {wrong}")
     begun = [run for run in runs if run.checkpoint.exists()]
     if not begun:

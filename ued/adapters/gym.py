@@ -26,14 +26,14 @@ from ued.adapters.level_env import (
     Start,
     check_apply,
     check_luck,
+    check_numbers,
     level_in_words,
     name_of,
-    unusable,
 )
 from ued.adapters.observations import as_array
 from ued.adapters.success import SUCCESS, SuccessReports
 from ued.core.episode_limit import episode_limit
-from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
+from ued.core.level_space import LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
@@ -278,22 +278,16 @@ class GymUPOMDP(UPOMDP):
             starts = self.levels["theta"], self.levels["seed"], luck, begins
             mask = begins if self._observations is not None else np.ones(self.num_envs, bool)
             self._observations, _ = self.vector.reset(options={"reset_mask": mask, "starts": starts})
-            self._check_finite("an observation", self._observations)
+            check_numbers("an observation", self._observations, self._level)
         return self._observations.copy()
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         self._observations, rewards, _, _, infos = self.vector.step(actions)
         terminated, truncated = (np.array(infos.get(end, self._going_on), bool) for end in ENDS)
-        self._check_finite("a reward", rewards)
-        self._check_finite("an observation", self._observations)
+        check_numbers("a reward", rewards, self._level)
+        check_numbers("an observation", self._observations, self._level)
         info = {"success": self._reports.read(infos, terminated | truncated)}
         return self._observations.copy(), rewards, terminated, truncated, info
-
-    def _check_finite(self, what: str, numbers: np.ndarray) -> None:
-        """Raise `LevelError` if an environment returned NaN, infinity or too much in its part of `[N, ...]`."""
-        if (found := unusable(numbers)) is not None:
-            env, why = found
-            raise LevelError(f"environment {env} returned {what} that is {why}: {numbers[env]} ({self._level(env)})")
 
     def _level(self, env: int) -> str:
         return level_in_words(self.theta_map, self.levels["theta"][env], int(self.levels["seed"][env]))

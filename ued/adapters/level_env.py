@@ -121,19 +121,20 @@ def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
     return f"level: theta [{row}], that is {shown}; seed {seed}"
 
 
-def unusable(numbers: np.ndarray) -> tuple[int, str] | None:
-    """Return the first environment whose part of `[N, ...]` no student can learn from, and what it is; None: no such.
+def check_numbers(what: str, numbers: np.ndarray, level: Callable[[int], str]) -> None:
+    """Raise `LevelError` if an environment returned NaN, infinity or numbers beyond float32 in its part of `[N, ...]`.
 
-    Students compute in float32, where larger numbers would be infinite.
+    Students compute in float32, where larger numbers would be infinite. `level(env)` describes a level.
     """
     if numbers.dtype.kind != "f":
-        return None
+        return
     fits = np.abs(numbers) <= FLOAT32 if numbers.dtype.itemsize > 4 else np.isfinite(numbers)
     if fits.all():
-        return None
-    index = int(np.flatnonzero(~fits.reshape(len(numbers), -1).all(1))[0])
-    large = np.isfinite(numbers[index]).all()
-    return index, "too large for float32 (scale it in the environment)" if large else "not finite"
+        return
+    env = int(np.flatnonzero(~fits.reshape(len(numbers), -1).all(1))[0])
+    large = np.isfinite(numbers[env]).all()
+    why = "too large for float32 (scale it in the environment)" if large else "not finite"
+    raise LevelError(f"environment {env} returned {what} that is {why}: {numbers[env]} ({level(env)})")
 
 
 def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
-from ued.adapters.level_env import check_apply, level_in_words, unusable
+from ued.adapters.level_env import check_apply, check_numbers, level_in_words
 from ued.adapters.success import SuccessReports
 from ued.core.level_space import LevelError
 from ued.core.own_code import FAILURES, line_in
@@ -100,7 +100,7 @@ class VectorUPOMDP(UPOMDP):
         begins = where if self._observations is not None else np.arange(self.num_envs)  # the first reset resets all
         if len(begins):
             self._begin(begins)
-            self._check_finite("an observation", self._observations)
+            check_numbers("an observation", self._observations, self._level)
         return self._observations.copy()
 
     def _begin(self, where: np.ndarray) -> None:
@@ -186,8 +186,8 @@ class VectorUPOMDP(UPOMDP):
         if (rows := np.asarray(rewards)).dtype == object and None in rows.tolist():  # would become NaN
             index = rows.tolist().index(None)
             raise LevelError(f"environment {index} returned None as its reward, not a number ({self._level(index)})")
-        self._check_finite("a reward", rows.astype(np.float64))
-        self._check_finite("an observation", observations)
+        check_numbers("a reward", rows.astype(np.float64), self._level)
+        check_numbers("an observation", observations, self._level)
         info = {"success": self._reports.read(infos, ended)}
         return observations.copy(), np.array(rewards, np.float64), terminated, truncated, info
 
@@ -204,12 +204,6 @@ class VectorUPOMDP(UPOMDP):
         """Raise `LevelError` if a result of a step or a reset has another shape."""
         if shape != expected:
             raise LevelError(f"{self.vector}: {what} must have shape {expected}, got {shape}")
-
-    def _check_finite(self, what: str, numbers: np.ndarray) -> None:
-        """Raise `LevelError` if an environment returned NaN, infinity or too much in its part of `[N, ...]`."""
-        if (found := unusable(numbers)) is not None:
-            env, why = found
-            raise LevelError(f"environment {env} returned {what} that is {why}: {numbers[env]} ({self._level(env)})")
 
     def _failed(self, what: str, where: np.ndarray, error: BaseException) -> LevelError:
         several = f", the first of {len(where)}" if len(where) > 1 else ""

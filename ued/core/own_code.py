@@ -21,10 +21,7 @@ from types import ModuleType
 from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
-FAILURES = (
-    Exception,
-    SystemExit,
-)  # all that user code can raise: sys.exit() in a score must not end a command silently
+FAILURES = (Exception, SystemExit)  # failures of user code: sys.exit() must not end a command silently, Ctrl-C may
 NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
 
 

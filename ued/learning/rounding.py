@@ -16,7 +16,7 @@ LOST = 0.01  # share of an entry's standard deviation that rounding may change
 
 
 class Rounding:
-    """Compares the observations at the start and the end of a rollout with their float32; once, since it warns."""
+    """Compares the observations at the start and the end of the first rollout with their float32 values."""
 
     def __init__(self) -> None:
         self.seen: list[np.ndarray] | None = []  # None: already checked
