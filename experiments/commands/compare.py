@@ -29,6 +29,7 @@ from regista.experiments.run.launch.variants import rows_of
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.progress import counted, terminal_width
 from regista.experiments.run.report import Report
+from regista.experiments.run.run_folders import warn_of_changed_tasks
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 from ued.core.task import TRAINING_SCENE
 from ued.methods import METHODS
@@ -104,6 +105,7 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
         trained = train_unfinished(runs, config.launch, stop)
     if not trained:
         return stop.exit_code
+    warn_of_changed_tasks(runs)
     amount = f"{counted(len(runs), 'run')} and baselines on {counted(len(scenes.scenes), 'scene')}"
     print(f"evaluating {amount}, {counted(config.episodes, 'episode')} each")
     alone = config.launch.launcher != "local" or config.train.engine == "grf"  # Ray and GRF have their own processes

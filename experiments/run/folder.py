@@ -36,6 +36,7 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.launch.owner import OWNER, owned
 from regista.experiments.run.launch.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.level_table import open_levels
+from regista.experiments.run.notes import warn
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from ued.config import own_names
 from ued.core import own_code
@@ -199,7 +200,7 @@ class RunFolder:
     def save_source(self, source: Source) -> None:
         """Save the source of the game in the folder of a new run.
 
-        Raises `CommandError` if a frozen source differs from the saved one; Python files may change.
+        Raises `CommandError` if a frozen source differs from the saved one. Python files may change, with a warning.
         """
         saved = self.path / source.file
         if not self.begun():
@@ -207,8 +208,11 @@ class RunFolder:
                 write_whole(saved, source.text)
             except OSError as error:
                 raise cannot_write(saved, error) from error
-        elif source.frozen and saved.exists() and saved.read_text(errors="replace") != source.text:
-            raise CommandError(f"{self.config.minigame} has changed since {self.path} was started, see {saved}")
+        elif saved.exists() and saved.read_text(errors="replace") != source.text:
+            changed = f"{self.config.minigame} has changed since {self.path} was started, see {saved}"
+            if source.frozen:
+                raise CommandError(changed)
+            warn(f"{changed}; levels, scores and results from before are of the earlier task")
 
     @property
     def picture(self) -> Path:

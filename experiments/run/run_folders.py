@@ -80,6 +80,17 @@ def check_comparable(runs: Sequence[RunFolder], verb: str = "evaluate") -> None:
     check_one_game(runs, verb)
     versions.check_alike({run.path: run.simulator for run in runs}, verb)
     _warn_of_mixtures(runs, verb)
+    warn_of_changed_tasks(runs)
+
+
+def warn_of_changed_tasks(runs: Sequence[RunFolder]) -> None:
+    """Warn of runs that share tables, but began with different texts of their task's file."""
+    begun = [(run.path / "task.py", run) for run in runs if (run.path / "task.py").is_file()]
+    texts = [file.read_text(errors="replace") for file, _ in begun]
+    other = next((k for k, text in enumerate(texts) if text != texts[0]), None)
+    if other is not None:
+        (one, run), (two, _) = begun[0], begun[other]
+        warn(f"{run.config.minigame} changed between these runs: compare {one} with {two}")
 
 
 def check_one_game(runs: Sequence[RunFolder], verb: str = "evaluate") -> None:

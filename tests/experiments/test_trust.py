@@ -398,3 +398,33 @@ def test_a_changed_network_is_reported_alike_by_every_command(own_run, tmp_path,
         assert "size mismatch" in said and len(said.splitlines()) == 1 and "can be evaluated" not in said
     with pytest.raises(checkpoint.CheckpointError, match=r"or .*parts.py:Net has changed since training"):
         regista.load_policy(own_run, trusted=True)
+
+
+EDITED = """
+import gymnasium
+import ued
+
+def put(env, values):
+    env.unwrapped.gravity = values["gravity"]
+
+def make(num_envs):
+    return ued.GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), put, {"gravity": (LOW, 20.0)}, num_envs)
+"""
+
+
+@pytest.mark.slow
+def test_an_edited_task_is_warned_of(tmp_path, capsys):
+    """Levels are rows of θ, so that other ranges give other levels: without a message, tables would join two tasks."""
+    task = tmp_path / "edited.py"
+    sizes = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "16", "--eval-every", "0", "--no-record"]
+    compare = ["compare", f"{task}:make", "--methods", "dr", *sizes, "--episodes", "4", "--levels", "0"]
+    task.write_text(EDITED.replace("LOW", "5.0"))
+    assert main([*compare, "--out", str(tmp_path / "runs"), "--seeds", "1"]) == 0
+    assert "changed" not in capsys.readouterr().err
+    task.write_text(EDITED.replace("LOW", "9.0"))
+    assert main([*compare, "--out", str(tmp_path / "runs"), "--seeds", "2"]) == 0
+    told = capsys.readouterr().err
+    assert re.search(r"edited.py:make changed between these runs: compare \S*dr-0/task.py with \S*dr-1/task.py", told)
+    more = ["--total-env-steps", "128"]
+    assert main(["train", f"{task}:make", "--resume", str(tmp_path / "runs" / "dr-0"), *more]) == 0
+    assert "dr-0 was started, see" in capsys.readouterr().err
