@@ -54,10 +54,10 @@ def test_agreement_with_published_numbers_is_told_over_games():
     shifts = dict(zip(GAMES, (0.0, 0.01, -0.01, 0.6), strict=True))
     rows = [made(game, published(game) + shift, seed=seed) for game, shift in shifts.items() for seed in range(5)]
     games, correlation, difference, apart = goals.agreement(rows, "ppo", "train")
-    assert (games, float(correlation)) == ("4", 1.0)
+    assert (games, correlation) == ("4", "1.00 [1.00, 1.00]")
     assert float(difference) == pytest.approx(0.155, abs=0.006) and apart == "1 of 4"
     assert goals.agreement(rows[:15], "ppo", "train") == []
-    assert "one agent, training scenes | all | 4 | 1.00 |" in goals.of_one_agent(rows)
+    assert "one agent, training scenes | all | 4 | 1.00 [1.00, 1.00] |" in goals.of_one_agent(rows)
 
 
 def test_random_teams_are_not_compared_with_published_random_agents():

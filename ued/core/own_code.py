@@ -16,8 +16,9 @@ import sys
 import traceback
 from collections.abc import Callable
 from difflib import get_close_matches
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 PACKAGE = Path(__file__).parents[1]
@@ -125,6 +126,13 @@ def call(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         raise OwnCodeError(f"{what} failed{line_in(function, error)}: {kind}: {error} (called with {shown})") from error
 
 
+class _Source(SourceFileLoader):
+    """Compiles the file at each import: Python's cache misses an edit of the same length within the same second."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 def module_of(place: str) -> ModuleType:
     """Return the module of a file `.py`, which must exist, or of a dotted name; importing executes its code."""
     if not place.endswith(".py"):
@@ -140,7 +148,7 @@ def module_of(place: str) -> ModuleType:
     known = sys.modules.get(path.stem)
     if known is not None and Path(getattr(known, "__file__", None) or "").resolve() == path:
         return known
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+    spec = importlib.util.spec_from_loader(path.stem, _Source(path.stem, str(path)))
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules.setdefault(path.stem, module)  # dataclasses and pickles look a class's module up
