@@ -6,10 +6,11 @@ first, and each environment takes the next one when its episode ends. Read next:
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 
 from ued.core.baselines import stage_of, within
 from ued.core.level_space import SEEDS
@@ -90,52 +91,97 @@ class Schedule:
         """Play all episodes; `on_end` is called with the number of episodes that have just ended."""
         stage = stage_of(student, self.upomdp)
         player = Player(within(student, stage), torch_generator(self.action_seed), greedy)
-        playlist = self.levels[self.index]
-        returns, success, lengths = _play(player, stage, playlist, self.visits, on_end)
+        episodes = _Episodes(stage, self.levels[self.index], self.visits, on_end)
+        while episodes.left:
+            player.begin(episodes.step(player(episodes.observation)))
         if stage is not self.upomdp:
             stage.close()
-        return Evaluation(returns, success, lengths, self.index, self.levels.copy(), int(lengths.sum()))
+        return self._result(episodes)
+
+    def _result(self, played: _Episodes) -> Evaluation:
+        steps = int(played.lengths.sum())
+        return Evaluation(played.returns, played.success, played.lengths, self.index, self.levels.copy(), steps)
 
 
-def _play(
-    player: Player, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray, on_end: OnEnd | None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Play one episode on each level of `playlist` `[E]`; return returns, success and lengths, `[E]` each.
+def play_together(
+    schedules: Sequence[Schedule], student: Student, greedy: bool = False, on_end: OnEnd | None = None
+) -> list[Evaluation]:
+    """Play several schedules side by side, with one forward pass for the environments of all of them.
+
+    Each has its own random numbers, so that the results are those of `Schedule.play`, up to rounding in the network.
+    `student` is a `Student`; the schedules have the same observations and number of environments.
+    """
+    played = [_Episodes(one.upomdp, one.levels[one.index], one.visits, on_end) for one in schedules]
+    streams = [torch_generator(one.action_seed) for one in schedules]
+    running = list(zip(played, streams, strict=True))
+    memory = student.empty_memory(sum(one.upomdp.num_envs for one in schedules))  # [K N, memory_width]
+    while running:
+        observation = np.concatenate([one.observation for one, _ in running])
+        actions = student.play(observation, [stream for _, stream in running], greedy, memory)
+        ends = [one.step(part) for (one, _), part in zip(running, np.split(actions, len(running)), strict=True)]
+        memory[torch.as_tensor(np.concatenate(ends))] = 0.0
+        left = [one.left for one, _ in running]
+        if not all(left):
+            memory = memory[torch.as_tensor(np.repeat(left, len(ends[0])))]
+            running = [pair for pair in running if pair[0].left]
+    return [schedule._result(one) for schedule, one in zip(schedules, played, strict=True)]
+
+
+class _Episodes:
+    """One episode on each level of `playlist` `[E]`, played in the N environments of `upomdp`.
 
     `visits` `[E]` are the visit numbers of the levels.
+
+    Attributes:
+        observation: `[N, ...]` the current observations.
+        returns, success, lengths: `[E]` each, of the episodes that have ended.
+        left: whether an episode of the list has not ended.
     """
-    episodes, num_envs = len(playlist), upomdp.num_envs
-    returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
-    episode = np.arange(num_envs)  # [N] the index of each environment's episode; E or more: not in the list
-    next_episode = num_envs
-    upomdp.idle[:] = episode >= episodes
-    announced = _announce(upomdp, playlist, next_episode)
-    observation, _ = upomdp.reset_to_levels(playlist[episode % episodes], None, visits[episode % episodes])
-    while (episode < episodes).any():
-        observation, reward, terminated, truncated, info = upomdp.advance(player(observation))
-        listed = episode < episodes  # [N]
-        returns[episode[listed]] += reward[listed]
-        lengths[episode[listed]] += 1
-        _check_lengths(lengths[episode[listed]])
+
+    def __init__(self, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray, on_end: OnEnd | None) -> None:
+        self.upomdp, self.playlist, self.visits, self.on_end = upomdp, playlist, visits, on_end
+        count = len(playlist)
+        self.returns, self.success, self.lengths = np.zeros(count), np.zeros(count), np.zeros(count, np.int64)
+        self.episode = np.arange(upomdp.num_envs)  # [N] index of each environment's episode; E or more: not in the list
+        self.next_episode = upomdp.num_envs
+        upomdp.idle[:] = self.episode >= count
+        self.announced = _announce(upomdp, playlist, self.next_episode)
+        first = self.episode % count
+        self.observation, _ = upomdp.reset_to_levels(playlist[first], None, visits[first])
+        self.left = True
+
+    def step(self, actions: np.ndarray) -> np.ndarray:
+        """Play one step; return where an episode of the list has ended, bool `[N]`."""
+        upomdp, episode = self.upomdp, self.episode
+        self.observation, reward, terminated, truncated, info = upomdp.advance(actions)
+        listed = episode < len(self.playlist)  # [N]
+        self.returns[episode[listed]] += reward[listed]
+        self.lengths[episode[listed]] += 1
+        _check_lengths(self.lengths[episode[listed]])
         ends = (terminated | truncated) & listed  # [N]
-        num_ends = int(ends.sum())
-        if num_ends:
-            player.begin(ends)
-            success[episode[ends]] = successes(info, np.flatnonzero(ends), returns[episode[ends]])
-            episode[ends] = np.arange(next_episode, next_episode + num_ends)
-            next_episode += num_ends
-            if on_end is not None:
-                on_end(num_ends)
-            starts = ends & (episode < episodes)  # [N]
-            upomdp.idle |= ends & ~starts  # environments without a further episode
-            if starts.any():
-                now = episode[starts]
-                if now[-1] >= announced:
-                    announced = _announce(upomdp, playlist, next_episode)
-                observation, _ = upomdp.reset_to_levels(playlist[now], starts, visits[now])
-    upomdp.idle[:] = False
-    _announce(upomdp, playlist, episodes)
-    return returns, success, lengths
+        if ends.any():
+            self.success[episode[ends]] = successes(info, np.flatnonzero(ends), self.returns[episode[ends]])
+            self._begin_next(ends)
+        return ends
+
+    def _begin_next(self, ends: np.ndarray) -> None:
+        """Begin the next episodes of the list where episodes have ended."""
+        upomdp, episode, num_ends = self.upomdp, self.episode, int(ends.sum())
+        episode[ends] = np.arange(self.next_episode, self.next_episode + num_ends)
+        self.next_episode += num_ends
+        if self.on_end is not None:
+            self.on_end(num_ends)
+        starts = ends & (episode < len(self.playlist))  # [N]
+        upomdp.idle |= ends & ~starts  # environments without a further episode
+        if starts.any():
+            now = episode[starts]
+            if now[-1] >= self.announced:
+                self.announced = _announce(upomdp, self.playlist, self.next_episode)
+            self.observation, _ = upomdp.reset_to_levels(self.playlist[now], starts, self.visits[now])
+        self.left = bool((episode < len(self.playlist)).any())
+        if not self.left:
+            upomdp.idle[:] = False
+            _announce(upomdp, self.playlist, len(self.playlist))
 
 
 def _check_lengths(lengths: np.ndarray) -> None:

@@ -5,6 +5,7 @@ Read next: `run.results`, the statistics; `run.report`, the tables.
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterable, Sequence
@@ -30,7 +31,7 @@ from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
 if TYPE_CHECKING:
     from regista.experiments.run.config import TrainConfig
     from regista.experiments.run.games import Game
-    from ued.evaluation import Evaluation
+    from ued.evaluation import Evaluation, Schedule
 
     Played = dict[str, Evaluation]  # by scene
 
@@ -38,6 +39,7 @@ SEED = 20_000  # of every evaluation, so all policies get the same levels and ra
 LEVELS_SEED = 20_001  # of random levels
 MOST_EPISODES = 10**9  # upper limit of a timed evaluation
 SHARED_SECONDS = 30.0  # minimum duration for parallel evaluation, since processes take some seconds to start
+MOST_NUMBERS = 2**22  # in the observations of one forward pass: convolutions need many times their memory
 ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
@@ -67,11 +69,31 @@ class EvalScenes:
 
         Each `round` has its own levels and random numbers. `on_end` is called with the number of ended episodes.
         """
-        return {
-            label: self._play(policy, label, round, on_end) for label in (self.scenes if labels is None else labels)
-        }
+        from ued.evaluation import play_together
 
-    def _play(self, policy: Any, label: str, round: int, on_end: Any) -> Evaluation:
+        labels = list(self.scenes if labels is None else labels)
+        played: list[Evaluation] = []
+        together = self._together(policy, labels)
+        for first in range(0, len(labels), together):
+            schedules = [self._schedule(label, round) for label in labels[first : first + together]]
+            if together > 1:
+                played += play_together(schedules, policy, on_end=on_end)
+            else:
+                played += [one.play(policy, on_end=on_end) for one in schedules]
+        return dict(zip(labels, played, strict=True))
+
+    def _together(self, policy: Any, labels: Sequence[str]) -> int:
+        """Return how many scenes a policy plays side by side: as many as the memory for one forward pass allows."""
+        from ued.learning.student import Student
+
+        scenes = [self.scenes[label] for label in labels]
+        apart = not isinstance(policy, Student)  # other policies may be bound to their environments
+        if apart or len({id(scene) for scene in scenes}) < len(scenes):
+            return 1
+        space = scenes[0].single_observation_space  # a `SparseImage` is expanded by convolutions
+        return max(1, MOST_NUMBERS // (scenes[0].num_envs * math.prod(getattr(space, "image", space).shape)))
+
+    def _schedule(self, label: str, round: int) -> Schedule:
         from ued.evaluation import Schedule
 
         scene, theta, seed = self.scenes[label], self.theta.get(label), SEED + round * ROUNDS_APART
@@ -80,7 +102,7 @@ class EvalScenes:
             scene.np_random = np.random.default_rng(seed)
             rows = (round * self.episodes + np.arange(self.episodes)) % len(theta)  # continue the previous round
             levels = scene.make_levels(theta[rows])  # each with its own layout seed
-        return Schedule(scene, self.episodes, seed, levels).play(policy, on_end=on_end)
+        return Schedule(scene, self.episodes, seed, levels)
 
     def play_random_levels(
         self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED, on_end: Any = None

@@ -8,7 +8,7 @@ from ued import evaluation
 from ued.config import PPOConfig
 from ued.core.seeding import torch_generator
 from ued.core.upomdp import PREFETCH
-from ued.evaluation import evaluate
+from ued.evaluation import Schedule, evaluate, play_together
 from ued.learning.student import Student
 
 
@@ -53,6 +53,28 @@ def test_the_same_seed_gives_the_same_episodes():
     one, two, other = (evaluate(student, Landscape(8), 40, seed=s) for s in (0, 0, 1))
     assert (one.returns == two.returns).all() and (one.levels == two.levels).all()
     assert (one.levels != other.levels).any()
+
+
+class Walks(Lengths):
+    """Like `Lengths`; each action pays, more in later steps."""
+
+    def outcome(self, actions):
+        return np.asarray(actions) * (1.0 + self.t), *super().outcome(actions)[1:]
+
+
+@pytest.mark.parametrize("memory", ["none", "gru"])
+def test_schedules_that_are_played_together_have_their_own_random_numbers(memory):
+    spaces = Walks(4).single_observation_space, Walks(4).single_action_space
+    student = Student(*spaces, PPOConfig(hidden_size=8, memory=memory), torch_generator(0))
+    apart = [Schedule(Walks(4), episodes, seed).play(student) for episodes, seed in ((50, 1), (3, 2), (20, 3))]
+    ended = []
+    schedules = [Schedule(Walks(4), episodes, seed) for episodes, seed in ((50, 1), (3, 2), (20, 3))]
+    together = play_together(schedules, student, on_end=ended.append)
+    for one, other in zip(apart, together, strict=True):
+        assert (one.returns == other.returns).all() and (one.lengths == other.lengths).all()
+        assert (one.levels == other.levels).all() and one.returns.std() > 0
+    assert sum(ended) == 73
+    assert not any(schedule.upomdp.idle.any() for schedule in schedules)
 
 
 def test_greedy_takes_the_likeliest_action():

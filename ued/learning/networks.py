@@ -7,7 +7,7 @@ All weights are initialized from an explicit generator. Read next: `learning.stu
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -26,6 +26,9 @@ LOG_2_PI = math.log(2 * math.pi)
 IMPOSSIBLE = -1e9  # logit of invalid choices: finite, since 0 times infinity is nan
 
 
+Streams = torch.Generator | Sequence[torch.Generator]  # several: one for each of as many equal parts of a batch
+
+
 class Policy(Protocol):
     """A distribution over actions for each row of a batch.
 
@@ -33,11 +36,19 @@ class Policy(Protocol):
     this to another distribution are `[B]`. For a team, all of them have an agent axis: `[B, A]`.
     """
 
-    def sample(self, generator: torch.Generator) -> Tensor: ...
+    def sample(self, generator: Streams) -> Tensor: ...
     def mode(self) -> Tensor: ...
     def log_prob(self, action: Tensor) -> Tensor: ...
     def entropy(self) -> Tensor: ...
     def kl(self, other: Any) -> Tensor: ...
+
+
+def _drawn(draw: Callable[..., Tensor], shape: Sequence[int], streams: Streams) -> Tensor:
+    """Return random numbers of this shape, each part of the batch from its own stream."""
+    if isinstance(streams, torch.Generator):
+        return draw(*shape, generator=streams)
+    size = shape[0] // len(streams)
+    return torch.cat([draw(size, *shape[1:], generator=stream) for stream in streams])
 
 
 class Categorical:
@@ -51,9 +62,9 @@ class Categorical:
         """The logarithms of the probabilities, `[B, A]`."""
         return torch.log_softmax(self.logits, -1)
 
-    def sample(self, generator: torch.Generator) -> Tensor:
+    def sample(self, generator: Streams) -> Tensor:
         """Sample by the inverse of the cumulative distribution: one number in [0, 1) per choice."""
-        uniform = torch.rand(self.log_probs.shape[:-1], generator=generator)
+        uniform = _drawn(torch.rand, self.log_probs.shape[:-1], generator)
         cumulative = self.log_probs.exp().cumsum(-1)  # [B, A]
         return (cumulative[..., :-1] < uniform[..., None] * cumulative[..., -1:]).sum(-1)
 
@@ -102,9 +113,8 @@ class Gaussian:
     def __init__(self, mean: Tensor, log_std: Tensor) -> None:
         self.mean, self.log_std = mean, log_std.expand_as(mean)
 
-    def sample(self, generator: torch.Generator) -> Tensor:
-        noise = torch.empty_like(self.mean).normal_(generator=generator)
-        return self.mean + self.log_std.exp() * noise
+    def sample(self, generator: Streams) -> Tensor:
+        return self.mean + self.log_std.exp() * _drawn(torch.randn, self.mean.shape, generator)
 
     def mode(self) -> Tensor:
         return self.mean

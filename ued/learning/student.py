@@ -30,7 +30,7 @@ from ued.core.own_code import is_name
 from ued.core.parts import Parts, repeated
 from ued.core.sparse_image import SparseImage
 from ued.learning.memory import Past, make_memory
-from ued.learning.networks import Policy, PolicyHead, Team, linear, mlp, seen_as, torso
+from ued.learning.networks import Policy, PolicyHead, Streams, Team, linear, mlp, seen_as, torso
 from ued.learning.own_network import own_torso
 from ued.learning.pixels import PartScales, Pixels, SparsePixels
 
@@ -300,11 +300,12 @@ class Student(nn.Module):
 
     @torch.inference_mode()
     def play(
-        self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False, memory: Tensor | None = None
+        self, observation: np.ndarray, generator: Streams, greedy: bool = False, memory: Tensor | None = None
     ) -> np.ndarray:
         """Return the actions for the environments, given their observations.
 
-        Only the actor's part of `memory` is updated in place.
+        Only the actor's part of `memory` is updated in place. With several generators, the batch consists of as many
+        parts of the same size, each with its own.
         """
         memory = self.empty_memory(len(observation)) if memory is None else memory
         seen = self.normaliser(self._sent(torch.as_tensor(observation, dtype=torch.float32)))
