@@ -160,20 +160,24 @@ class Linears(nn.Linear):
 
 def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator, policies: int = 1) -> nn.Linear:
     """Return a linear layer, or one for each policy, with orthogonal weights scaled by `gain` and zero bias."""
-    # `skip_init`, since the default initialization uses torch's global generator
     if policies == 1:
-        layer = nn.utils.skip_init(nn.Linear, inputs, outputs)
+        layer = nn.Linear(inputs, outputs, device="meta")
     else:
-        layer = nn.utils.skip_init(Linears, inputs, outputs, policies)
+        layer = Linears(inputs, outputs, policies, device="meta")
     initialize(layer, gain, generator, policies)
     return layer
 
 
 def initialize(layer: nn.Linear | nn.Conv2d, gain: float, generator: torch.Generator, policies: int) -> None:
-    """Give each policy's share of a layer orthogonal weights scaled by `gain`, and zero bias."""
+    """Give each policy's share of a layer orthogonal weights scaled by `gain`, and zero bias.
+
+    The layer is made on torch's device "meta", since the default initialization uses the global generator.
+    `nn.utils.skip_init` does the same, and imports sympy, which takes a second.
+    """
+    assert layer.bias is not None
+    layer.weight, layer.bias = (nn.Parameter(torch.empty(part.shape)) for part in (layer.weight, layer.bias))
     for own in layer.weight.data.chunk(policies):
         nn.init.orthogonal_(own, gain, generator=generator)
-    assert layer.bias is not None
     nn.init.zeros_(layer.bias)
 
 
@@ -234,7 +238,7 @@ def convolutions(
     layers: list[nn.Module] = [] if first else [ChannelsFirst(team)]
     for outputs, kernel, stride in CONVOLUTIONS if min(height, width) >= LARGE else small:
         sizes = policies * channels, policies * outputs, kernel, stride
-        layer = nn.utils.skip_init(nn.Conv2d, *sizes, groups=policies)
+        layer = nn.Conv2d(*sizes, groups=policies, device="meta")
         initialize(layer, math.sqrt(2), generator, policies)
         layers += [layer, nn.ReLU()]
         channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
