@@ -120,6 +120,26 @@ class Normed(Net):
         return self.norm(super().forward(observation))
 
 
+class Waves(Net):
+    """Random Fourier features (Rahimi and Recht 2007), whose rounding errors are large."""
+
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        self.register_buffer("frequencies", 300 * torch.randn(50 * int(np.prod(space.shape)), 8))
+
+    def forward(self, observation):
+        waves = torch.sin(observation.flatten(1).repeat(1, 50) @ self.frequencies)
+        return torch.cat([super().forward(observation), waves], 1)
+
+
+class UnsavedWaves(Waves):
+    def __init__(self, space, config):
+        super().__init__(space, config)
+        frequencies = self.frequencies
+        del self.frequencies
+        self.frequencies = frequencies
+
+
 class Counting(Net):
     calls = 0
 

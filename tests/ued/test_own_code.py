@@ -213,6 +213,7 @@ def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
         "Spectral": r"Spectral changes its first.parametrizations.weight.0._\w in forward, as batch and spect",
         "Normed": "Normed changes its norm.num_batches_tracked in forward",
         "Centered": "Centered mixes the rows of a batch: the features of an observation depend on the others",
+        "UnsavedWaves": "UnsavedWaves has values that are not saved with its weights .* register_buffer",
         "Cut": "no gradient reaches first.weight, first.bias, second.weight, … of tests.ued.own_parts:Cut",
         "Unlisted": "Unlisted uses weights that are not registered, so PPO would neither train nor save them; hold we",
         "Wide": r"Wide must return float32 features, \[B, size\] for B observations; for 4 got .* of torch.float64",
@@ -238,7 +239,7 @@ def test_a_layer_that_learns_nothing_is_a_warning():
     copy.deepcopy(student)  # the features that it keeps have no gradient
 
 
-@pytest.mark.parametrize("name", ["Quiet", "Frozen"])
+@pytest.mark.parametrize("name", ["Quiet", "Frozen", "Waves"])
 def test_networks_that_only_look_wrong_learn(name):
     DR(frontier(), dataclasses.replace(PPO, network=f"{HERE}:{name}")).update()
 

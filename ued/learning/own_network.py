@@ -19,6 +19,7 @@ from ued.learning.networks import ONE_AGENT, Team, Torso
 
 ROWS = 4  # rows of the batch that tests a new network
 TOLERANCE = 1e-4  # of the largest feature: a sum over a batch of another size is rounded otherwise
+ROUNDING = 1e-6  # of an observation, 8 times float32's precision: sin(100 x) also rounds more than other functions
 EQUAL = "PPO needs equal probabilities in rollouts and updates"
 
 
@@ -42,17 +43,25 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
     name = config.network
     if team.policies > 1:
         raise OwnCodeError(f"the network {name} supports one policy: several agents need team='shared' (--team shared)")
-    made = load(name)
     with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))
-        try:
-            network = made(space, config)
-        except FAILURES as error:
-            raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
-        if not isinstance(network, nn.Module):
-            raise OwnCodeError(f"{name}(space, config) must return a torch.nn.Module, got {network!r:.100}")
+        torch.manual_seed(seed := int(torch.randint(2**62, (1,), generator=generator)))
+        network = _made(name, space, config)
         size = rehearsed(name, network, space)
+        torch.manual_seed(seed + 1)
+        _check_saved(name, network, _made(name, space, config), space)
     return Torso([network if team.agents == 1 else _Rows(network)], size)
+
+
+def _made(name: str, space: Space, config: PPOConfig) -> nn.Module:
+    try:
+        network = load(name)(space, config)
+    except OwnCodeError:
+        raise
+    except FAILURES as error:
+        raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
+    if not isinstance(network, nn.Module):
+        raise OwnCodeError(f"{name}(space, config) must return a torch.nn.Module, got {network!r:.100}")
+    return network
 
 
 def rehearsed(name: str, network: nn.Module, space: Space) -> int:
@@ -61,19 +70,41 @@ def rehearsed(name: str, network: nn.Module, space: Space) -> int:
     Raises `OwnCodeError` unless it maps float32 `[B, ...]` to float32 `[B, size]`, always in the same way, each row
     separately, and with gradients; it warns of weights without any.
     """
-    seen = torch.rand(ROWS, *(space.shape or ()), generator=torch.Generator().manual_seed(0))
+    seen = _observations(space)
     features = _features(name, network, seen)  # the first call, which also makes lazy layers
     _check_weights(name, network, features)
     _check_constant(name, network, seen, features)
+    with torch.no_grad():  # the last calls: a module that keeps its features can be copied
+        rounding = (_features(name, network, seen * (1 + ROUNDING)) - features).abs()
     for part in (slice(0, 1), slice(ROWS - 1, ROWS), slice(0, ROWS // 2), slice(ROWS // 2, ROWS)):
-        with torch.no_grad():  # the last calls: a module that keeps its features can be copied
+        with torch.no_grad():
             alone = _features(name, network, seen[part])
-        if not _close(alone, features[part]):
+        if not _close(alone, features[part], rounding.max()):
             raise OwnCodeError(
                 f"{name} mixes the rows of a batch: the features of an observation depend on the others. {EQUAL}, in "
                 "batches of any size; use each row alone, for example LayerNorm instead of BatchNorm"
             )
     return features.shape[1]
+
+
+def _observations(space: Space) -> Tensor:
+    return torch.rand(ROWS, *(space.shape or ()), generator=torch.Generator().manual_seed(0))
+
+
+def _check_saved(name: str, network: nn.Module, other: nn.Module, space: Space) -> None:
+    """Raise `OwnCodeError` unless another instance with the weights of the first has its features, as after loading."""
+    seen = _observations(space)
+    with torch.no_grad():
+        features, _ = _features(name, network, seen), _features(name, other, seen)  # the call makes lazy layers
+        try:
+            other.load_state_dict(network.state_dict())
+        except RuntimeError as error:
+            raise OwnCodeError(f"{name}(space, config) made two networks of different weights: {error}") from error
+        if not _close(_features(name, other, seen), features):
+            raise OwnCodeError(
+                f"{name} has values that are not saved with its weights and differ between two instances, so a loaded "
+                "policy would act differently; register them with register_buffer, or give them a fixed seed"
+            )
 
 
 def _features(name: str, network: nn.Module, seen: Tensor) -> Tensor:
@@ -136,8 +167,11 @@ def _changed(before: Mapping[str, tuple[Tensor, int]], after: Mapping[str, tuple
     return None
 
 
-def _close(one: Tensor, other: Tensor) -> bool:
-    return one.shape == other.shape and bool((one - other).abs().max() <= TOLERANCE * other.abs().max())
+def _close(one: Tensor, other: Tensor, rounding: Tensor | float = 0.0) -> bool:
+    """Return whether features are equal up to rounding; `rounding` is their change by small changes of the input."""
+    if one.shape != other.shape:
+        return False
+    return bool((one - other).abs().max() <= max(TOLERANCE * other.abs().max(), rounding))
 
 
 def _check_weights(name: str, network: nn.Module, features: Tensor) -> None:
