@@ -196,6 +196,8 @@ def load_task(name: str) -> tuple[Task, str]:
 
     Raises `UsageError` for an unknown name, `TrustError` for a task that only a run folder names.
     """
+    import gymnasium
+
     from ued.core.task import Task
 
     place, _, attribute = name.rpartition(":")
@@ -209,6 +211,11 @@ def load_task(name: str) -> tuple[Task, str]:
     task = getattr(module, attribute)
     if not isinstance(task, Task) and not callable(task):
         raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {task!r}")
+    if isinstance(task, type) and issubclass(task, gymnasium.Env):
+        raise UsageError(
+            f"{name} must be a ued.Task or a function make(num_envs) that returns a UPOMDP, got the class of one "
+            "environment; make wraps environments, for example in ued.GymUPOMDP"
+        )
     trust.remember(name)
     file = getattr(module, "__file__", None)
     return task if isinstance(task, Task) else Task(task), Path(file).read_text() if file else ""

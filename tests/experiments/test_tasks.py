@@ -129,6 +129,12 @@ def task(tmp_path):
     return f"{tmp_path / 'push_task.py'}:push"
 
 
+def test_the_class_of_one_environment_is_no_task(task, capsys):
+    assert main(["train", task.replace(":push", ":Push")]) == 2
+    said = capsys.readouterr().err
+    assert "must be a ued.Task or a function make(num_envs) that returns a UPOMDP, got the class of one env" in said
+
+
 def named(task, name):
     """Return the game of another task of the file, as if this user had typed its name."""
     trust.allow(task.replace(":push", f":{name}"))

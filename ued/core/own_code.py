@@ -67,7 +67,9 @@ def permit(name: str) -> None:
 def advice(name: str) -> str:
     """Return the end of the error of missing code: the run's settings in which a moved file must be renamed, or ""."""
     file = _noted.get(canonical(name), "")
-    return f"; if it was moved, change its name in {file}" if file.endswith("config.json") else ""
+    if not file.endswith("config.json"):
+        return ""
+    return f"; if it was moved, change its name in {file}, or name its new place with train --resume"
 
 
 def check(name: str) -> None:
