@@ -362,6 +362,17 @@ def test_moved_code_is_named_again_on_the_command_line(own_run, tmp_path, capsys
 
 
 @pytest.mark.slow
+def test_a_policy_finds_moved_code_by_the_settings_of_its_run(own_run, tmp_path):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "parts.py").rename(tmp_path / "new" / "parts.py")
+    with pytest.raises(checkpoint.CheckpointError, match=r"no file .*parts.py"):
+        regista.load_policy(own_run, trusted=True)
+    settings = (own_run / "config.json").read_text()
+    (own_run / "config.json").write_text(settings.replace("/parts.py:Net", "/new/parts.py:Net"))
+    assert regista.load_policy(own_run, trusted=True).act([0.0] * 5) is not None
+
+
+@pytest.mark.slow
 def test_another_file_is_no_moved_one(tmp_path):
     assert trust.is_moved(f"{tmp_path}/old/parts.py:make", f"{tmp_path}/new/parts.py:make")
     assert trust.is_moved("no_such_package.parts:make", f"{tmp_path}/parts.py:make")

@@ -5,6 +5,7 @@ Read next: `learning.student`, the student.
 
 from __future__ import annotations
 
+import json
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -103,7 +104,7 @@ def load_policy(
     state = checkpoint.load(file)
     try:
         spaces, saved = state["spaces"], state["method"]["learners"][0]["ppo"]["student"]
-        ppo = state["config"]["ppo"]
+        ppo = state["config"]["ppo"] | _moved_network(path)
     except (KeyError, IndexError, TypeError) as error:
         raise CheckpointError(f"{file} holds no student with its spaces; resume its training for one update") from error
     _check_network(str(ppo.get("network")), trusted)
@@ -122,6 +123,14 @@ def load_policy(
     shape = seen.shape or ()
     observation_space = seen if isinstance(seen, Parts) else observation_space
     return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)
+
+
+def _moved_network(path: Path) -> dict[str, str]:
+    """Return the network that the settings of a run folder name, which users change if its file was moved."""
+    try:
+        return {"network": str(json.loads((path / "config.json").read_text())["ppo"]["network"])}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}  # a checkpoint, or settings of another program
 
 
 def _check_network(name: str, trusted: bool) -> None:
