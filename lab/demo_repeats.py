@@ -1,6 +1,6 @@
 """Does the demo show what its text says? It is repeated with fresh seeds; each repetition is compared with DR.
 
-    python -m lab.demo_repeats --out runs/demo_repeats     # 40 minutes on 2 cores; goes on where it was stopped
+    python -m lab.demo_repeats --out runs/demo_repeats     # 30 minutes on 2 cores; goes on where it was stopped
 
 Runs the command of `make demo` ten times without recordings, each time with other seeds. lab/results/demo.csv gets a
 row for each repetition and method. A row has the difference between the method's success rate and DR's, mean of all

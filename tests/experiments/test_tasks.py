@@ -131,8 +131,7 @@ def task(tmp_path):
 
 def test_the_class_of_one_environment_is_no_task(task, capsys):
     assert main(["train", task.replace(":push", ":Push")]) == 2
-    said = capsys.readouterr().err
-    assert "must be a ued.Task or a function make(num_envs) that returns a UPOMDP, got the class of one env" in said
+    assert "that returns a UPOMDP, got the class of one environment; make wraps" in capsys.readouterr().err
 
 
 def named(task, name):

@@ -138,6 +138,11 @@ def test_a_range_of_no_numbers(kind: type) -> None:
         kind("a", "b")
 
 
+def test_a_choice_of_a_list() -> None:
+    with pytest.raises(ValueError, match=r"needs its values one by one, at least one; of a list, Choice\(\*values\)"):
+        Choice(["ice", "grass"])
+
+
 def test_a_choice_twice() -> None:
     with pytest.raises(ValueError, match=r"must differ, got 0\.5 twice"):
         Choice(0.5, 1.0, 0.5)

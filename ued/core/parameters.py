@@ -124,12 +124,12 @@ class Choice:
         weights: relative probabilities of the values in random levels, positive numbers; None: uniform.
 
     Raises:
-        ValueError: without values, for equal values, and for weights that do not match them.
+        ValueError: without values, for a single list, for equal values, and for weights that do not match them.
     """
 
     def __init__(self, *values: Any, weights: Sequence[float] | None = None) -> None:
-        if not values:
-            raise ValueError("a Choice needs at least one value")
+        if not values or (len(values) == 1 and isinstance(values[0], list | tuple | set)):
+            raise ValueError("a Choice needs its values one by one, at least one; of a list, Choice(*values)")
         if weights is not None and (len(weights) != len(values) or not _finite(*weights) or min(weights) <= 0):
             raise ValueError(f"a Choice of {len(values)} values needs as many positive weights, got {weights!r}")
         for index, value in enumerate(values):
