@@ -53,29 +53,27 @@ class MazePainter:
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the points of the mazes of θ `[L, D]` at the start of an episode: `[L, K, 2]`."""
         layouts = self._layouts(theta)
-        rows = zip(layouts.grid, layouts.start.tolist(), layouts.direction.tolist(), strict=True)
-        points = [self._points(grid, at, direction) for grid, at, direction in rows]
-        return np.stack(points) if points else np.zeros((0, len(self.classes), 2))
+        return self._points(layouts.grid, layouts.start, layouts.direction)
 
     def frame(self, env: Any) -> np.ndarray:
         """Return the current points of the first environment of `env`: `[K, 2]`."""
-        at, direction = int(env.agents.at[0]), int(env.agents.direction[0])
-        points = self._points(env.layouts.grid[0], at, direction)
+        points = self._points(env.layouts.grid[:1], env.agents.at[:1], env.agents.direction[:1])[0]
         seen = self._places(env.seen()[0])
         inside = seen[((seen > 0) & (seen < CELL * self.side)).all(1)]
         points[self.side**2 : self.side**2 + len(inside)] = inside
         return points
 
-    def _points(self, grid: np.ndarray, at: int, direction: int) -> np.ndarray:
-        points = np.full((len(self.classes), 2), np.nan)
+    def _points(self, grid: np.ndarray, at: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Return the points of L mazes, without what the agent sees: `[L, K, 2]`."""
+        points = np.full((len(grid), len(self.classes), 2), np.nan)
         width = width_of(self.side)
-        inner = grid.reshape(width, width)[BORDER:-BORDER, BORDER:-BORDER]
-        walls = np.flatnonzero(inner.ravel() == WALL)
-        points[walls] = CELL * np.stack([walls % self.side + 0.5, self.side - 0.5 - walls // self.side], 1)
-        agent = self._places(np.array([at]))[0]
-        points[self.classes == GOALS] = self._places(np.flatnonzero(grid == GOAL)[:1])
-        points[self.classes == AGENT] = agent
-        points[self.classes == FRONT] = agent + 0.3 * CELL * FORWARD_OF[direction]
+        inner = grid.reshape(-1, width, width)[:, BORDER:-BORDER, BORDER:-BORDER]
+        maze, wall = np.nonzero(inner.reshape(len(grid), self.side**2) == WALL)
+        points[maze, wall] = CELL * np.stack([wall % self.side + 0.5, self.side - 0.5 - wall // self.side], 1)
+        agent = self._places(at)
+        points[:, self.classes == GOALS] = self._places((grid == GOAL).argmax(1))[:, None]
+        points[:, self.classes == AGENT] = agent[:, None]
+        points[:, self.classes == FRONT] = (agent + 0.3 * CELL * FORWARD_OF[direction])[:, None]
         return points
 
     def _places(self, entries: np.ndarray) -> np.ndarray:
