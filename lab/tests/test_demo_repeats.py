@@ -18,8 +18,9 @@ def test_the_command_is_that_of_the_makefile():
 
 @pytest.fixture
 def asked(tmp_path, monkeypatch):
-    """Return the commands of the repetitions; DR's rates are 50% to 54%, PLR's 70% to 74%."""
+    """Return the commands of the repetitions; DR's rates begin at 50%, PLR's at 70%."""
     given = []
+    count = demo_repeats.seeds(demo_repeats.command())
 
     def compare(words):
         given.append(words)
@@ -28,7 +29,7 @@ def asked(tmp_path, monkeypatch):
         rows = [
             dict(zip(FIELDS, (name, first + k, scene, 100, 0.5, rate + k, 1000), strict=True))
             for name, rate in rates.items()
-            for k in range(5)
+            for k in range(count)
             for scene in ("a", "b")
         ]
         rows += [dict(zip(FIELDS, ("random", 0, scene, 100, 0.0, 3, 0), strict=True)) for scene in ("a", "b")]
@@ -47,13 +48,12 @@ def test_each_repetition_has_fresh_seeds_and_a_row_and_is_done_once(asked, tmp_p
     assert demo_repeats.main(words) == 1  # the third comparison fails
     assert demo_repeats.main(words) == 0
     firsts = [given[given.index("--first-seed") + 1] for given in asked]
-    assert firsts == ["2000", "2005", "2010", "2010"]
+    seeds = [str(2000 + k * demo_repeats.seeds(demo_repeats.command())) for k in range(3)]
+    assert firsts == [*seeds, seeds[2]]
     with (tmp_path / "demo.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["repetition"], row["seed"], row["method"]) for row in rows] == [
-        ("0", "2000", "plr"),
-        ("1", "2005", "plr"),
-        ("2", "2010", "plr"),
+        (str(k), seed, "plr") for k, seed in enumerate(seeds)
     ]
     assert all(float(row["low"]) < float(row["difference"]) == 20 < float(row["high"]) for row in rows)
     assert "plr: the interval of the difference excludes 0 in 3 of 3 repetitions" in capsys.readouterr().out
