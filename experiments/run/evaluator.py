@@ -87,9 +87,9 @@ class EvalScenes:
         from ued.learning.student import Student
 
         scenes = [self.scenes[label] for label in labels]
-        apart = not isinstance(policy, Student)  # other policies may be bound to their environments
-        if apart or len({id(scene) for scene in scenes}) < len(scenes):
-            return 1
+        bound = not isinstance(policy, Student)  # other policies may read the state of their environments
+        if bound or self.config.engine == "grf" or len({id(scene) for scene in scenes}) < len(scenes):
+            return 1  # a match in GRF occupies memory while it is played
         space = scenes[0].single_observation_space  # a `SparseImage` is expanded by convolutions
         return max(1, MOST_NUMBERS // (scenes[0].num_envs * math.prod(getattr(space, "image", space).shape)))
 
