@@ -53,10 +53,9 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
 
 
 def _made(name: str, space: Space, config: PPOConfig) -> nn.Module:
+    make = load(name)
     try:
-        network = load(name)(space, config)
-    except OwnCodeError:
-        raise
+        network = make(space, config)
     except FAILURES as error:
         raise OwnCodeError(f"{name}(space, config) failed: {type(error).__name__}: {error}") from error
     if not isinstance(network, nn.Module):
