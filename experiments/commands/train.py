@@ -105,7 +105,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     task = game.task(config)
     method = build.make_method(config, build.make_upomdp(task.make, config.num_envs, config.seed))
     origin.begin_with(run, method)
-    scenes = EvalScenes(config, game, config.eval_episodes) if config.eval_every else None
+    scenes = EvalScenes(config, game, config.eval_episodes if config.eval_every else 1)  # also checks the tests
     elapsed = restore(run, method)
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, task, method, progress, connect)
@@ -117,7 +117,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
             last = method.env_steps >= config.total_env_steps
-            if scenes is not None and scenes.due(before, method.env_steps, last):
+            if scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})

@@ -134,8 +134,11 @@ class EvalScenes:
         return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
-        """Return whether to evaluate after an update: the first or last, or one that crosses a multiple of `every`."""
-        return before == 0 or last or before // self.every < after // self.every
+        """Return whether to evaluate after an update: the first or last, or one that crosses a multiple of `every`.
+
+        Never, if `every` is 0.
+        """
+        return self.every > 0 and (before == 0 or last or before // self.every < after // self.every)
 
     def _check_sizes(self, config: TrainConfig) -> None:
         shape = self.scenes[TRAINING_SCENE].single_observation_space.shape

@@ -132,7 +132,8 @@ class RunFolder:
             versions.check_present(self.simulator, f"{self.path} was trained on", EVALUATED_ALONE)
         elif self.simulator != versions.present_version(self.config):
             self.about, self._saved = {**self.about, **versions.stamp(self.config)}, None
-        done, total = self.env_steps(), config.total_env_steps
+        done = self.env_steps() if self.checkpoint.exists() else 0  # without a checkpoint, it restarts from zero
+        total = config.total_env_steps
         if total < min(done, self.config.total_env_steps):
             raise ConfigError(f"{self.path} has {done:_} env_steps; it cannot continue with total_env_steps = {total}")
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}

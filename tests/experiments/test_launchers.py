@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,6 +17,7 @@ from regista.experiments.run.config import TaskTrainConfig
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch import owner
 from regista.experiments.run.launch.owner import BusyError
+from regista.experiments.run.launch.workers import Processes
 from regista.experiments.run.table import read_rows
 
 ROOT = Path(__file__).parents[2]
@@ -234,3 +236,11 @@ def test_what_the_disk_did_not_remove_at_first_is_removed_in_the_end(tmp_path, m
     with owner.owned(tmp_path):
         assert any(path.name.endswith(".partial") for path in tmp_path.iterdir())
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_has_its_own_process_group_in_the_session_of_its_launcher(tmp_path):
+    """Ctrl-C reaches the launcher alone; the priority of a session, which Linux sets by `nice`, holds for its runs."""
+    job = SimpleNamespace(path=tmp_path, config=SimpleNamespace(threads=1), argv=["--version"])
+    process = Processes().start(job)
+    assert os.getsid(process.pid) == os.getsid(0) and os.getpgid(process.pid) == process.pid
+    assert process.wait() == 0

@@ -65,6 +65,15 @@ def test_runs_without_a_checkpoint_are_left_out(runs, tmp_path, capsys):
     assert "it has no config.json, and holds no run folders" in capsys.readouterr().err
 
 
+def test_a_run_without_a_checkpoint_restarts_from_zero_with_any_budget(runs, tmp_path, capsys):
+    run = tmp_path / "run"
+    shutil.copytree(runs / "dr-0", run)
+    (run / "checkpoint.pt").unlink()
+    assert main(["train", "--resume", str(run), "--total-env-steps", "256"]) == 0
+    assert "restarts from zero" in capsys.readouterr().err
+    assert RunFolder.open(run).env_steps() == RunFolder.open(run).config.total_env_steps == 256
+
+
 def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys):
     folder = tmp_path / "mixed"
     shutil.copytree(runs, folder)

@@ -298,7 +298,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["train", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["compare", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
-        (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
+        (["train", "{}/push_task.py:broken", "--out", "{}/b", "--eval-every", "0"], "value for each of force, ground"),
     ],
 )
 def test_what_is_no_task_is_told(command, message, task, tmp_path, capsys):

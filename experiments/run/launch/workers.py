@@ -189,12 +189,16 @@ class Processes:
     """Processes of this machine, each running `regista train --resume RUN`."""
 
     def start(self, job: Job) -> subprocess.Popen:
-        """Start one run in its own session; this process receives Ctrl-C and forwards it."""
+        """Start one run in its own process group; this process receives Ctrl-C and forwards it.
+
+        In the same session: Linux groups processes by session (autogroup), so `nice` of this process also holds for it.
+        """
         threads = str(job.config.threads)
         environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
         with open(job.path / "train.log", "a") as log:
             command = [sys.executable, "-m", "regista", *job.argv]
-            return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
+            streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log}
+            return subprocess.Popen(command, env=environment, process_group=0, **streams)
 
     def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:
         """Wait briefly for a process to end; return the finished processes."""
