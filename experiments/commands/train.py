@@ -98,14 +98,15 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     `connect` is the address of a Rerun viewer that shows the recording live.
     Before training starts there is nothing to save, so a signal ends the process at once.
     """
-    from regista.experiments.run.evaluator import EvalScenes
+    from regista.experiments.run.evaluator import EvalScenes, check_tests
 
     config, game = run.config, build.find_game(run.config.minigame)
     run.save_source(game.source(config))
     task = game.task(config)
     method = build.make_method(config, build.make_upomdp(task.make, config.num_envs, config.seed))
     origin.begin_with(run, method)
-    scenes = EvalScenes(config, game, config.eval_episodes if config.eval_every else 1)  # also checks the tests
+    check_tests(task, method.upomdp, game.name)
+    scenes = EvalScenes(config, game, config.eval_episodes) if config.eval_every else None
     elapsed = restore(run, method)
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, task, method, progress, connect)
@@ -117,7 +118,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
             last = method.env_steps >= config.total_env_steps
-            if scenes.due(before, method.env_steps, last):
+            if scenes is not None and scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})

@@ -134,11 +134,8 @@ class EvalScenes:
         return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
-        """Return whether to evaluate after an update: the first or last, or one that crosses a multiple of `every`.
-
-        Never, if `every` is 0.
-        """
-        return self.every > 0 and (before == 0 or last or before // self.every < after // self.every)
+        """Return whether to evaluate after an update: the first or last, or one that crosses a multiple of `every`."""
+        return before == 0 or last or before // self.every < after // self.every
 
     def _check_sizes(self, config: TrainConfig) -> None:
         shape = self.scenes[TRAINING_SCENE].single_observation_space.shape
@@ -159,6 +156,12 @@ def theta_of_test(label: str, scene: Any, upomdp: Any, game: str) -> np.ndarray 
         return theta_of_scene(scene, upomdp)
     except ValueError as error:
         raise CommandError(f"the levels of the test '{label}' do not match {typed(game)}: {error}") from error
+
+
+def check_tests(task: Task, upomdp: Any, game: str) -> None:
+    """Raise `CommandError` for test or held-out levels that do not belong to `upomdp`, the environments of training."""
+    for label, scene in [*task.scenes().items(), *(task.scenes(True).items() if task.held_out else ())]:
+        theta_of_test(label, scene, upomdp, game)
 
 
 def joined(rounds: Sequence[Evaluation]) -> Evaluation:
