@@ -182,6 +182,7 @@ def restore(run: RunFolder, method: Any) -> float:
         load_students(run, method, state["method"])  # raises if it cannot be evaluated, either
         raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
     run.cut_back(state["update"])
+    run.note_processor()
     return float(state["elapsed"])
 
 

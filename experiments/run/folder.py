@@ -162,6 +162,18 @@ class RunFolder:
             raise cannot_write(path, error) from error
         self._saved = self.config
 
+    def note_processor(self) -> None:
+        """Record this machine's processor and warn, if another one began the run. The caller must hold the lock."""
+        about = provenance.continued(self.about)
+        if about != self.about:
+            before, here = provenance.processor_of(self.about), provenance.processor_of(about).rpartition("; ")[2]
+            warn(
+                f"{self.path} was trained on {before}; on {here} the last bits of numbers may differ, so it may not "
+                "equal an uninterrupted run"
+            )
+            self.about, self._saved = about, None
+            self.save_config()
+
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Lock the run against training by other processes on any machine. Raises `BusyError` if one trains it."""

@@ -11,6 +11,7 @@ import secrets
 import shlex
 import subprocess
 import sys
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -30,6 +31,21 @@ def about() -> dict[str, Any]:
         "versions": {"python": platform.python_version(), **versions(PACKAGES)},
         "machine": {"name": platform.node(), "system": platform.platform(), **hardware()},
     }
+
+
+def processor_of(about: Mapping[str, Any]) -> str:
+    """Return the processor that trained a run, or several joined by "; ", from its provenance; "" if unknown."""
+    machine = about.get("machine")
+    name = machine.get("processor") if isinstance(machine, Mapping) else None
+    return name if isinstance(name, str) and name.isprintable() else ""
+
+
+def continued(about: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the provenance of a run that this machine continues: with its processor, if that is another one."""
+    before, here = processor_of(about), _processor()
+    if not before or not here or before.split("; ")[-1] == here:
+        return {**about}
+    return {**about, "machine": {**about["machine"], "processor": f"{before}; {here}"}}
 
 
 def command() -> str:

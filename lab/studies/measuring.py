@@ -18,7 +18,7 @@ from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import find_minigame
-from regista.experiments.run.provenance import commit
+from regista.experiments.run.provenance import commit, processor_of
 from regista.experiments.run.table import read_columns
 from ued.core.task import TRAINING_SCENE
 
@@ -43,8 +43,13 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
     evaluations = EvalScenes(run.config, game, episodes).play(student)
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3)}
-    return rows_of(run.config, evaluations, about | {"agent": agent_of(run)})
+    return rows_of(run.config, evaluations, about_run(run, agent_of(run), env_steps))
+
+
+def about_run(run: RunFolder, agent: str, env_steps: int) -> dict[str, Any]:
+    """Return the columns of a row that belong to a trained run."""
+    about = {"agent": agent, "seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3)}
+    return about | {"processor": processor_of(run.about)}
 
 
 def agent_of(run: RunFolder) -> str:
@@ -76,8 +81,8 @@ def measure_variant(run: RunFolder, agent: str, episodes: int, held_out: bool) -
         played = {
             label if label == TRAINING_SCENE else f"{HELD_OUT}{label}": result for label, result in played.items()
         }
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
-    return rows_of(run.config, played, about), learning_curve(run, agent) if held_out or has_held_out else []
+    rows = rows_of(run.config, played, about_run(run, agent, env_steps))
+    return rows, learning_curve(run, agent) if held_out or has_held_out else []
 
 
 def learning_curve(run: RunFolder, agent: str) -> list[Point]:

@@ -41,6 +41,7 @@ class Row(NamedTuple):
     seconds: float  # of the training
     commit: str
     simulator: str  # the version that was played, as in `versions.spelled`
+    processor: str = ""  # that trained the run; "": nothing was trained, or it is not known
 
     def key(self) -> tuple[str, str, str, str, int]:
         """Return the key of the row; a later row with the same key replaces it."""

@@ -8,6 +8,7 @@ from lab.studies import rows, tables
 from lab.studies.__main__ import main
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.report import save_rows
+from regista.experiments.run.table import read_rows
 from tests.floors import ROOT
 
 UNNUMBERED = "an unnumbered simulator, from before version 1"
@@ -44,8 +45,8 @@ def row(simulator):
 
 def without_version(path):
     """Remove the simulator version from the rows of a file."""
-    lines = [line.rpartition(",")[0] for line in path.read_text().splitlines()]
-    path.write_text("\n".join(lines) + "\n")
+    kept = [{name: text for name, text in one.items() if name != "simulator"} for one in read_rows(path)]
+    save_rows(kept, [*kept[0]], path)
 
 
 @pytest.mark.parametrize(("study", "file"), [("curricula", "curricula"), ("single", "fast")])

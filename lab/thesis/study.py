@@ -9,7 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from lab.studies.measuring import rows_of
+from lab.studies.measuring import about_run, rows_of
 from lab.studies.rows import Row, add, check_present, load
 from lab.studies.runs import Deadline, StudyRuns, train_and_measure
 from lab.thesis.curves import Value, curves_of
@@ -71,10 +71,9 @@ def measure(agents: Mapping[Path, str], table: Path, curves: Path | None, episod
     game, agent = build.find_game(run.config.minigame), agents[run.path]
     student, (env_steps, _) = load_student(run, game)
     played = EvalScenes(run.config, game, episodes).play(student)
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
     if curves is not None:
         add(curves, curves_of(run, agent), Value)
-    add(table, rows_of(run.config, played, about))
+    add(table, rows_of(run.config, played, about_run(run, agent, env_steps)))
 
 
 def measure_strategies(episodes: int) -> list[Row]:

@@ -10,7 +10,7 @@ import regista
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
 from regista.experiments.pictures.plots import BASELINES
-from regista.experiments.run import build
+from regista.experiments.run import build, provenance
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import EvalScenes
@@ -72,6 +72,21 @@ def test_a_run_without_a_checkpoint_restarts_from_zero_with_any_budget(runs, tmp
     assert main(["train", "--resume", str(run), "--total-env-steps", "256"]) == 0
     assert "restarts from zero" in capsys.readouterr().err
     assert RunFolder.open(run).env_steps() == RunFolder.open(run).config.total_env_steps == 256
+
+
+@pytest.mark.parametrize("before", ["Another processor", "This one; another one", None])
+def test_a_run_records_each_kind_of_processor_that_trains_it(runs, tmp_path, capsys, before):
+    run, here = tmp_path / "run", provenance.hardware()["processor"]
+    shutil.copytree(runs / "dr-0", run)
+    settings = json.loads((run / "config.json").read_text())
+    assert settings["about"]["machine"]["processor"] == here
+    settings["about"]["machine"] = {"processor": before} if before else "unknown"
+    (run / "config.json").write_text(json.dumps(settings))
+    words = ["train", "--resume", str(run), "--total-env-steps"]
+    assert main([*words, "1024"]) == main([*words, "1536"]) == 0
+    told = f"{run} was trained on {before}; on {here} the last bits of numbers may differ"
+    assert capsys.readouterr().err.count(told) == (1 if before else 0)
+    assert provenance.processor_of(RunFolder.open(run).about) == (f"{before}; {here}" if before else "")
 
 
 def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys):
