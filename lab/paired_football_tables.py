@@ -6,6 +6,7 @@ Values are in percent, with 95% bootstrap intervals over whole runs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations, groupby
 
 import numpy as np
 
@@ -40,7 +41,32 @@ def table(rows: Rows, part: str, kinds: Sequence[Kind]) -> str:
     """
     runs = {kind: [row for row in rows if (row["game"], row["order"], row["variant"]) == kind] for kind in kinds}
     firsts = {game: next(kind for kind in kinds if kind[0] == game) for game, _, _ in kinds}
-    return compared({kind: mine for kind, mine in runs.items() if mine}, firsts, part, ["game", "order", "setting"])
+    runs = {kind: mine for kind, mine in runs.items() if mine}
+    return compared(runs, firsts, part, ["game", "order", "setting"], between_orders(runs))
+
+
+def between_orders(runs: Mapping[Kind, Rows]) -> str:
+    """Return a sentence on the differences between orders of one setting; "" if no setting has several orders."""
+    gains = {}
+    for (game, setting), kinds in groupby(sorted(runs, key=by_setting), by_setting):
+        for one, other in combinations([kind for kind in kinds if kind[1] != "even"], 2):
+            found = difference_of_means(shares(runs[one]), shares(runs[other]))
+            gains[f"`{game}`, {setting}, {one[1]} minus {other[1]}"] = found
+    if not gains:
+        return ""
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
+    name, largest = max(gains.items(), key=lambda gain: abs(gain[1].estimate))
+    marked = sum(mark == significance.SURVIVES for mark in marks.values())
+    return (
+        f"{marked or 'none'} of the {len(gains)} differences between two orders of one setting "
+        f"{'survives' if marked < 2 else 'survive'} Holm's correction; the largest is {points(largest, marks[name])} "
+        f"points, of {name}"
+    )
+
+
+def by_setting(kind: Kind) -> tuple[str, str]:
+    """Return the game and the setting, without the order."""
+    return kind[0], kind[2]
 
 
 def summary(rows: Rows, kinds: Sequence[Kind]) -> str:
@@ -54,7 +80,7 @@ def summary(rows: Rows, kinds: Sequence[Kind]) -> str:
 
 def over_orders(rows: Rows) -> list[Mapping[str, str]]:
     """Return a row for each seed: the means of the table's columns over its rows."""
-    found = []
+    found: list[Mapping[str, str]] = []
     for seed in unique([row["seed"] for row in rows]):
         mine = [row for row in rows if row["seed"] == seed]
         values = {name: [float(row[name]) for row in mine if row.get(name)] for name in (*SCENES, *SHOWN)}
@@ -63,8 +89,10 @@ def over_orders(rows: Rows) -> list[Mapping[str, str]]:
     return found
 
 
-def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, columns: Sequence[str]) -> str:
-    """Return a table of groups of runs, with differences to the first setting of each game."""
+def compared(
+    runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, columns: Sequence[str], more: str = ""
+) -> str:
+    """Return a table of groups of runs, with differences to the first setting of each game; `more` is for its note."""
     others = [kind for kind in runs if kind != firsts[kind[0]] and firsts[kind[0]] in runs]
     gains = {kind: difference_of_means(shares(runs[kind]), shares(runs[firsts[kind[0]]])) for kind in others}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
@@ -75,11 +103,11 @@ def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, c
         difference = points(gains[kind], marks[kind]) if kind in gains else ""
         named = [word for word, column in zip(kind, ("game", "order", "setting"), strict=True) if column in columns]
         told.append([*named, str(len(mine)), *(cell(mine, column) for column in shown), difference])
-    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part)}"
+    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part, more)}"
 
 
-def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str) -> str:
-    """Return the note below the table: budget, marks, the smallest visible difference, simulator and command.
+def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str, more: str) -> str:
+    """Return the note below the table: budget, marks, the smallest visible difference, `more`, simulator and command.
 
     The deviations of runs are pooled over all settings of a game.
     """
@@ -92,6 +120,7 @@ def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str) -> str:
         "over runs, none below 5",
         significance.legend([found.p for found in gains]),
         significance.visible(sizes, [len(mine) for mine in runs], "{:.0f} points", "game"),
+        more,
     )
     names = " and ".join(unique([simulator_name(int(row["simulator"])) for row in rows]))
     return f"{said} Measured on {names}; `python -m lab.paired_football {part}`."

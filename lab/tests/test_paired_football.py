@@ -54,6 +54,17 @@ def test_differences_are_to_the_first_setting_and_marked():
     assert text.endswith("Measured on simulator version 1; `python -m lab.paired_football order`.")
 
 
+def test_orders_of_a_setting_are_compared_and_even_options_are_none():
+    rows = [row(order, "paired", seed, at + seed) for order, at in (("first", 40), ("last", 70)) for seed in range(5)]
+    rows += [row(order, "dr, equally likely options", seed, 10 + seed) for order in ("even",) for seed in range(5)]
+    text = table([*rows, *(row("first", "dr", seed, 40 + seed) for seed in range(5))], "order")
+    assert (
+        " 1 of the 1 differences between two orders of one setting survives Holm's correction; the largest is -30 ["
+        in text
+    )
+    assert "points, of `1v1Rare`, paired, first minus last. Measured on" in text
+
+
 def test_a_table_whose_reference_has_no_run_yet_has_no_differences():
     head, _, plr, *_ = table([row("last", "plr", 20, 70)], "order").splitlines()
     assert head.endswith("| minus dr, both scenes |") and plr == "| 1v1Rare | last | plr | 1 | 75 | 65 | 70 |  |  |"

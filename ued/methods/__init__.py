@@ -66,7 +66,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py checks
     MethodRow(
         "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#965a00", "Dennis et al. 2020",
         "an adversary maximizes a protagonist's regret",
-        "2 (protagonist only)", marker="s",
+        "2, for the protagonist", marker="s",
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
