@@ -20,7 +20,7 @@ from lab.grf.experts import experts
 from lab.studies.cells import percent
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import significance
-from regista.experiments.run.progress import count
+from regista.experiments.run.progress import count, counted
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import Counted, goal_rate
 from regista.experiments.transfer.episodes import ENDINGS, ENGINES
@@ -342,10 +342,9 @@ def summary(files: dict[str, Rows]) -> str:
         ours, grf = (
             goal_rate([Counted(int(r["goals"]), int(r["episodes"])) for r in chosen(rows, engine=e)]) for e in ENGINES
         )
-        games = len(unique(rows, "game"))
-        table.append(
-            [f"Goals of PPO trained in GRF, {games} games", f"{percent(grf)} in GRF, {percent(ours)} in our simulator"]
-        )
+        games, runs = len(unique(rows, "game")), len({(row["game"], row["seed"]) for row in rows})
+        trained = f"Goals of PPO trained in GRF, {counted(games, 'game')}, {counted(runs, 'run')}"
+        table.append([trained, f"{percent(grf)} in GRF, {percent(ours)} in our simulator"])
     if rows := files["scenes"]:
         same, own = (100 * over_scenes(rows, f"endings_agree{limit}", np.mean).estimate for limit in ("", "_limit"))
         table.append(["Drawn scenes: endings that agree", f"{same:.0f}%; GRF with itself {own:.0f}%"])

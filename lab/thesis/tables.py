@@ -61,7 +61,7 @@ def randomization_table(rows: Sequence[Row]) -> str:
         cells = ["" if one is None else f"{one.goal_difference:+z.2f}" for one in known]
         steps = " to ".join(unique([count(row.env_steps) for row in mine]))
         table.append([game, spell(estimate.mean_return(mine), "{:+z.2f}"), *cells, steps, str(len(mine))])
-    about = f"Mean returns per episode on the training distribution; {per_run(rows)}. {NOTE}."
+    about = f"Mean returns per episode on random levels; {per_run(rows)}. {NOTE}."
     return f"{as_markdown(table)}\n\n{about} {made(rows, 'randomization')}"
 
 
