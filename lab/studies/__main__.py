@@ -97,7 +97,10 @@ STUDIES = {
         games_of_study,
     ),
     "ablations": Study(
-        "what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula, games_of_study
+        "PAIRED with more entropy of its adversary, on a mixture of games",
+        CurriculaStudyConfig,
+        run_curricula,
+        games_of_study,
     ),
     "tuning": Study("six settings of each method of curricula", CurriculaStudyConfig, run_curricula, games_of_study),
 }

@@ -1,4 +1,4 @@
-"""The studies of curricula: methods over games, changes of PAIRED and of PPO, with runs played on held-out scenes.
+"""The studies of curricula: methods over games, a change of PAIRED, and tuning, with runs played on held-out scenes.
 
     python -m lab.studies curricula --hours 3                # after three hours call it again
     python -m lab.studies tuning                             # six settings of each method, on validation scenes
@@ -122,7 +122,6 @@ class CurriculaStudy:
                 for name, variant in variants.items():
                     chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings
                     chosen |= self.typed
-                    chosen["total_env_steps"] *= variant.times
                     about = {"method": variant.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
                     yield PlannedVariant(game, name, seed, chosen | about)
 
