@@ -2,9 +2,10 @@
 
 From the runs of the study of curricula: the success on each game beside DR's, the share of each game among the levels
 that the teacher chose, and a picture of these shares over training. Levels that are drawn at random are not counted.
+The runs of `python -m lab.studies ablations`, PAIRED with more entropy of its adversary, are compared after 10M steps.
 
     python -m lab.ladder_levels                                    # tables of the stored rows
-    python -m lab.ladder_levels runs/curricula/curricula --publish # reads the runs; rows, tables and picture
+    python -m lab.ladder_levels runs/curricula/curricula runs/curricula/ablations --publish    # rows, tables, picture
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from lab.studies.cells import percent
-from lab.studies.curricula import COMPARISONS
+from lab.studies.curricula import COMPARISONS, ENTROPY, LADDER
 from lab.studies.curricula_study import PAGE
 from lab.studies.measuring import HELD_OUT
 from lab.studies.rows import RESULTS, Row
@@ -32,74 +33,96 @@ from regista.experiments.run.errors import CommandError, run_command
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.report import as_markdown, save_rows
-from regista.experiments.run.table import read_rows
+from regista.experiments.run.table import read_columns, read_rows
+from ued.config import PairedConfig
 from ued.statistics import bootstrap
 
-GAME = "AcademyLadder"
 GAMES = (  # of the mixture, in the order of the picture
     *("empty_goal_close", "empty_goal", "run_to_score"),
     *("run_to_score_with_keeper", "pass_and_shoot_with_keeper", "3_vs_1_with_keeper"),
 )
 FOLDER = "grf/"  # prefix of their names
-PARTS = 10  # of a run
-COLUMNS = ("agent", "seed", "simulator", "part", *GAMES)
+HARDEST = "run_to_score_with_keeper"  # the one that PAIRED does not learn
+SHARES, SUCCESS = ([f"{kind}/{game}" for game in GAMES] for kind in ("share", "success"))
+PART = 2_000_000  # env steps of a part of a run
+PARTS = 10
+MIDDLE = 5  # parts until the end of the ablation's runs
+COLUMNS = ("agent", "seed", "simulator", "part", *SHARES, *SUCCESS)
 STORED = ROOT / "lab" / "results" / "ladder_levels.csv"
 PICTURE = ROOT / "experiments" / "gallery" / "ladder_levels.png"
 COMMAND = "python -m lab.ladder_levels"
 ONE = "largest share of one game"
+AGENTS = (*COMPARISONS["curricula"].variants, ENTROPY)
 Rows = Sequence[Mapping[str, Any]]
 
 
 # ---------------------------------------------------------------- rows
 
 
-def shares_of(run: Path) -> np.ndarray:
-    """Return the share of each game among the levels that a run's teacher chose, `[PARTS, GAMES]`.
+def read_run(run: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return two arrays `[P, GAMES]` over the parts of a run.
 
-    It is nan in a part without such levels.
+    The first has the share of each game among the levels that the teacher chose, nan in a part without such levels;
+    the second the success on each game in the evaluation nearest to the end of the part.
     """
-    table = read_levels(run, "update", "source", "program")
-    chosen = table["source"] != "random"
-    part = ((table["update"] - 1) * PARTS // table["update"].max()).astype(int)
-    is_game = np.stack([table["program"] == FOLDER + game for game in GAMES], 1)  # [L, GAMES]
-    return np.stack([_mean(is_game[chosen & (part == k)]) for k in range(PARTS)])
+    metrics = read_columns(run / "metrics.csv")
+    steps, evaluated = metrics["env_steps"], np.isfinite(metrics[f"eval_success/{FOLDER}{GAMES[0]}"])
+    parts = max(1, round(steps[-1] / PART))
+    levels = read_levels(run, "update", "source", "program")
+    part = np.minimum((steps[levels["update"].astype(int) - 1] - 1) // PART, parts - 1)
+    chosen = levels["source"] != "random"
+    is_game = np.stack([levels["program"] == FOLDER + game for game in GAMES], 1)  # [L, GAMES]
+    shares = np.stack([_mean(is_game[chosen & (part == k)]) for k in range(parts)])
+    success = np.stack([metrics[f"eval_success/{FOLDER}{game}"][evaluated] for game in GAMES], 1)  # [E, GAMES]
+    nearest = [np.abs(steps[evaluated] - (k + 1) * PART).argmin() for k in range(parts)]
+    return shares, success[nearest]
 
 
 def _mean(chosen: np.ndarray) -> np.ndarray:
     return chosen.mean(0) if len(chosen) else np.full(len(GAMES), np.nan)
 
 
-def read_runs(folder: Path) -> list[dict[str, Any]]:
-    """Return a row for each run below `folder` and each part of it in which its teacher chose levels.
+def agent_of(run: RunFolder) -> str:
+    """Return the name of a run's method in the tables, with the changed entropy of the ablation."""
+    entropy = run.config.paired.adversary.ent_coef
+    changed = run.config.method == "paired" and entropy != PairedConfig().adversary.ent_coef
+    return f"paired, adversary entropy {entropy:g}" if changed else run.config.method
+
+
+def read_runs(folders: Sequence[Path]) -> list[dict[str, Any]]:
+    """Return a row for each part of each finished run in these folders.
 
     Raises `CommandError` for runs of another version of the simulator, and if there are none.
     """
     rows = []
-    for path in sorted(folder.glob(f"{GAME}-*/config.json")):
+    for path in sorted(path for folder in folders for path in folder.glob(f"{LADDER}-*/config.json")):
         run = RunFolder.open(path.parent)
         if not run.finished():
             continue
         versions.check_present(run.simulator, f"{run.path} was trained on", "its levels cannot be published")
-        about = {"agent": run.config.method, "seed": run.config.seed, "simulator": SIMULATOR_VERSION}
-        for part, shares in enumerate(shares_of(run.path)):
-            if not np.isnan(shares).any():
-                rows.append(about | {"part": part} | dict(zip(GAMES, shares.round(4).tolist(), strict=True)))
+        about = {"agent": agent_of(run), "seed": run.config.seed, "simulator": SIMULATOR_VERSION}
+        for part, (shares, success) in enumerate(zip(*read_run(run.path), strict=True)):
+            values = np.concatenate([shares, success]).round(4).tolist()
+            spelled = ["" if np.isnan(value) else value for value in values]
+            rows.append(about | {"part": part} | dict(zip((*SHARES, *SUCCESS), spelled, strict=True)))
     if not rows:
-        raise CommandError(f"{folder} has no finished runs of {GAME}; python -m lab.studies curricula trains them")
+        places = " and ".join(map(str, folders))
+        raise CommandError(f"{places}: no finished runs of {LADDER}; python -m lab.studies curricula trains them")
     return rows
 
 
-def by_agent(rows: Rows) -> dict[str, np.ndarray]:
-    """Return the shares of each agent's runs `[R, PARTS, GAMES]`, nan in parts without rows, in the study's order."""
+def by_agent(rows: Rows, columns: Sequence[str]) -> dict[str, np.ndarray]:
+    """Return columns of the runs of each agent that has numbers, `[R, P, columns]`; nan: unknown."""
     found = {}
-    for agent in COMPARISONS["curricula"].variants:
+    for agent in AGENTS:
         mine = [row for row in rows if row["agent"] == agent]
         seeds = sorted({int(row["seed"]) for row in mine})
-        shares = np.full((len(seeds), PARTS, len(GAMES)), np.nan)
+        values = np.full((len(seeds), 1 + max((int(row["part"]) for row in mine), default=0), len(columns)), np.nan)
         for row in mine:
-            shares[seeds.index(int(row["seed"])), int(row["part"])] = [float(row[game]) for game in GAMES]
-        if seeds:
-            found[agent] = shares
+            numbers = [float(row[name]) if row[name] != "" else np.nan for name in columns]
+            values[seeds.index(int(row["seed"])), int(row["part"])] = numbers
+        if np.isfinite(values).any():
+            found[agent] = values
     return found
 
 
@@ -107,19 +130,24 @@ def by_agent(rows: Rows) -> dict[str, np.ndarray]:
 
 
 def text_of(rows: Rows, played: Sequence[Row]) -> str:
-    """Return both tables in Markdown: success, from `played` rows of the study, and shares, each with its note."""
-    shares = by_agent(rows)
-    first = (
+    """Return the tables in Markdown, each with its note: success, from `played` rows of the study, and choices."""
+    success, legend = success_table(played)
+    shares, rates = by_agent(rows, SHARES), by_agent(rows, SUCCESS)
+    about_success = (
         "Success on random levels of each game in percent, and differences in percentage points, after 20M simulated "
-        "steps; 95% bootstrap intervals over runs."
+        f"steps; 95% bootstrap intervals over runs. {legend}"
     )
-    second = (
-        "Share of each game among the levels that the teacher chose, in the second half of training; at random, each "
-        f"game has 17%. {ONE[0].upper()}{ONE[1:]}: of each run, then the mean. 95% bootstrap intervals over runs. "
+    about_shares = (
+        "Share of each game among the levels that the teacher chose, in the second half of training; among random "
+        f"levels it is 17%. {ONE[0].upper()}{ONE[1:]}: the mean over runs of the largest number of each run."
+    )
+    about_middle = (
+        f"After 10M simulated steps: success on `{HARDEST}` in 64 episodes of each run, and {ONE} among the levels "
+        "that the teacher chose in the last 2M of these steps. 95% bootstrap intervals over runs. "
         f"Measured on simulator version {SIMULATOR_VERSION}; `{COMMAND}`."
     )
-    success, note = success_table(played)
-    return "\n\n".join([as_markdown(success), f"{first} {note}", as_markdown(share_table(shares)), second])
+    made = [as_markdown(success), about_success, as_markdown(share_table(shares)), about_shares]
+    return "\n\n".join([*made, as_markdown(middle_table(shares, rates)), about_middle])
 
 
 def success_table(played: Sequence[Row]) -> tuple[list[list[str]], str]:
@@ -137,12 +165,14 @@ def success_table(played: Sequence[Row]) -> tuple[list[list[str]], str]:
 
 def rows_on(played: Sequence[Row], game: str) -> list[Row]:
     """Return the rows of random levels of one game of the mixture."""
-    return [row for row in played if row.game == GAME and row.scene == f"{HELD_OUT}{FOLDER}{game}"]
+    return [row for row in played if row.game == LADDER and row.scene == f"{HELD_OUT}{FOLDER}{game}"]
 
 
 def share_table(shares: Mapping[str, np.ndarray]) -> list[list[str]]:
-    """Return games x methods, mean shares in the second half of training, and the largest share of one game."""
-    late = {name: np.nanmean(mine[:, PARTS // 2 :], 1) for name, mine in shares.items()}  # [R, GAMES]
+    """Return games x methods of the study, mean shares in the second half of training, and the largest of each run."""
+    late = {
+        name: np.nanmean(mine[:, PARTS // 2 :], 1) for name, mine in shares.items() if name != ENTROPY
+    }  # [R, GAMES]
     table = [["game", *late]]
     for index, game in enumerate(GAMES):
         table.append([f"`{game}`", *(_cell(mine[:, index]) for mine in late.values())])
@@ -150,15 +180,31 @@ def share_table(shares: Mapping[str, np.ndarray]) -> list[list[str]]:
     return table
 
 
+def middle_table(shares: Mapping[str, np.ndarray], rates: Mapping[str, np.ndarray]) -> list[list[str]]:
+    """Return for DR and PAIRED, after 10M steps: runs, largest share of one game, and success on the hardest game."""
+    table = [["method", "runs", ONE, f"success on `{HARDEST}`"]]
+    for name in [name for name in ("dr", "paired", ENTROPY) if name in rates]:
+        most = _cell(shares[name][:, MIDDLE - 1].max(1)) if name in shares else ""
+        success = rates[name][:, MIDDLE - 1, GAMES.index(HARDEST)]
+        table.append([name, str(len(success)), most, _cell(success)])
+    return table
+
+
 def _cell(values: np.ndarray) -> str:
-    return percent(bootstrap(values, np.random.default_rng(0)).interval())
+    found = bootstrap(values, np.random.default_rng(0)).interval()
+    return percent(found._replace(low=max(found.low, 0.0), high=min(found.high, 1.0)))
 
 
 # ---------------------------------------------------------------- picture
 
 
 def draw(shares: Mapping[str, np.ndarray], path: Path = PICTURE) -> None:
-    """Draw a row for each method, a panel for each run: the share of each game, stacked, over training."""
+    """Draw a row for each method, a panel for each run: the share of each game, stacked, over env steps.
+
+    Args:
+        shares: `[R, P, GAMES]` of each method.
+        path: of the picture.
+    """
     with plots.style():
         import matplotlib
         import matplotlib.pyplot as plt
@@ -169,17 +215,19 @@ def draw(shares: Mapping[str, np.ndarray], path: Path = PICTURE) -> None:
         figure, grid = plt.subplots(
             len(shares), columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained"
         )
-        centers = (np.arange(PARTS) + 0.5) / PARTS
         for panels, (name, runs) in zip(grid, shares.items(), strict=True):
-            panels[0].set_ylabel(plots.title(name))
+            panels[0].set_ylabel("PAIRED,\nentropy 0.1" if name == ENTROPY else plots.title(name))
             for axes, run in zip(panels, runs, strict=False):
                 known = ~np.isnan(run).any(1)
+                centers = (np.arange(len(run)) + 0.5) * PART
                 areas = axes.stackplot(centers[known], run[known].T, colors=colors, linewidth=0)
-                axes.set_xlim(centers[0], centers[-1])
                 plots.rate_axis(axes)
         for column, axes in enumerate(grid[0]):
             axes.set_title(f"run {column + 1}")
-        figure.supxlabel("fraction of training", fontsize=10)
+        for axes in grid[-1]:
+            axes.set_xlim(PART / 2, (PARTS - 0.5) * PART)
+            plots.shorten_steps(axes)
+        figure.supxlabel("simulated steps, all students", fontsize=10)
         order = dict(zip(GAMES, areas, strict=True))
         figure.legend(order.values(), order, loc="outside upper center", ncols=3, title="game (bottom to top)")
         plots.save(figure, path)
@@ -190,7 +238,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog=COMMAND, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("folder", type=Path, nargs="?", help="of the study's runs; without: the stored rows")
+    made.add_argument("folders", type=Path, nargs="*", help="of the studies' runs; without: the stored rows")
     made.add_argument("--publish", action="store_true", help=f"keep the rows, draw the picture, tables into {PAGE}")
     return made
 
@@ -198,15 +246,15 @@ def parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str]) -> int:
     """Print or publish the tables; return the exit code."""
     options = parser().parse_args(argv)
-    rows = read_rows(STORED) if options.folder is None else read_runs(options.folder)
+    rows = read_runs(options.folders) if options.folders else read_rows(STORED)
     text = text_of(rows, stored(RESULTS, "curricula"))
     if not options.publish:
         print(text)
         return 0
-    if options.folder is not None:
+    if options.folders:
         save_rows(rows, COLUMNS, STORED)
-    draw(by_agent(rows))
-    put(ROOT / PAGE, "ladder: levels", text, f"Levels of {GAME}")
+    draw(by_agent(rows, SHARES))
+    put(ROOT / PAGE, "ladder: levels", text, f"Levels of {LADDER}")
     return 0
 
 
