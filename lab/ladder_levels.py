@@ -217,6 +217,8 @@ def draw(shares: Mapping[str, np.ndarray], path: Path = PICTURE) -> None:
         )
         for panels, (name, runs) in zip(grid, shares.items(), strict=True):
             panels[0].set_ylabel("PAIRED,\nentropy 0.1" if name == ENTROPY else plots.title(name))
+            for axes in panels[len(runs) :]:
+                axes.set_visible(False)
             for axes, run in zip(panels, runs, strict=False):
                 known = ~np.isnan(run).any(1)
                 centers = (np.arange(len(run)) + 0.5) * PART
