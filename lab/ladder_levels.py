@@ -170,9 +170,8 @@ def rows_on(played: Sequence[Row], game: str) -> list[Row]:
 
 def share_table(shares: Mapping[str, np.ndarray]) -> list[list[str]]:
     """Return games x methods of the study, mean shares in the second half of training, and the largest of each run."""
-    late = {
-        name: np.nanmean(mine[:, PARTS // 2 :], 1) for name, mine in shares.items() if name != ENTROPY
-    }  # [R, GAMES]
+    study = {name: mine for name, mine in shares.items() if name != ENTROPY}
+    late = {name: np.nanmean(mine[:, PARTS // 2 :], 1) for name, mine in study.items()}  # [R, GAMES]
     table = [["game", *late]]
     for index, game in enumerate(GAMES):
         table.append([f"`{game}`", *(_cell(mine[:, index]) for mine in late.values())])
