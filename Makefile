@@ -50,7 +50,7 @@ results: $(READY)
 	$(BIN)/python -m lab.studies tuning --publish
 	$(BIN)/python -m lab.studies curricula --publish
 	$(BIN)/python -m lab.studies ablations --publish
-	$(BIN)/python -m lab.paired_football order --csv lab/results/paired_order.csv --publish
+	$(BIN)/python -m lab.paired_football --csv lab/results/paired_order.csv --publish
 	$(BIN)/regista compare ued.probes:frontier --seeds 20 --levels 0 --no-record --out runs/frontier \
 		--methods dr minimax paired_literal paired self_regret repaired plr robust_plr accel
 	$(BIN)/python -m lab.frontier runs/frontier --publish

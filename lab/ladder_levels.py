@@ -1,11 +1,11 @@
 """Which games of the mixture `AcademyLadder` does each teacher choose, and how well does its student play each of them?
 
 From the runs of the study of curricula: the success on each game beside DR's, the share of each game among the levels
-that the teacher chose, and a picture of these shares over training. Levels that are drawn at random are not counted.
-The runs of `python -m lab.studies ablations`, PAIRED with more entropy of its adversary, are compared after 10M steps.
+that the teacher chose, PAIRED beside DR at equal student steps, and a picture of the shares over training. Levels that
+are drawn at random are not counted.
 
-    python -m lab.ladder_levels                                    # tables of the stored rows
-    python -m lab.ladder_levels runs/curricula/curricula runs/curricula/ablations --publish    # rows, tables, picture
+    python -m lab.ladder_levels                                       # tables of the stored rows
+    python -m lab.ladder_levels runs/curricula/curricula --publish    # rows, tables, picture
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from lab.studies.cells import percent
-from lab.studies.curricula import COMPARISONS, ENTROPY, LADDER
+from lab.studies.curricula import COMPARISONS, LADDER
 from lab.studies.curricula_study import PAGE
 from lab.studies.measuring import HELD_OUT
 from lab.studies.rows import RESULTS, Row
@@ -34,7 +34,6 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.report import as_markdown, save_rows
 from regista.experiments.run.table import read_columns, read_rows
-from ued.config import PairedConfig
 from ued.statistics import bootstrap
 
 GAMES = (  # of the mixture, in the order of the picture
@@ -42,17 +41,16 @@ GAMES = (  # of the mixture, in the order of the picture
     *("run_to_score_with_keeper", "pass_and_shoot_with_keeper", "3_vs_1_with_keeper"),
 )
 FOLDER = "grf/"  # prefix of their names
-HARDEST = "run_to_score_with_keeper"  # the one that PAIRED does not learn
 SHARES, SUCCESS = ([f"{kind}/{game}" for game in GAMES] for kind in ("share", "success"))
 PART = 2_000_000  # env steps of a part of a run
 PARTS = 10
-MIDDLE = 5  # parts until the end of the ablation's runs
+HALF = PARTS // 2  # parts in which DR trains its student as long as PAIRED in all
 COLUMNS = ("agent", "seed", "simulator", "part", *SHARES, *SUCCESS)
 STORED = ROOT / "lab" / "results" / "ladder_levels.csv"
 PICTURE = ROOT / "experiments" / "gallery" / "ladder_levels.png"
 COMMAND = "python -m lab.ladder_levels"
 ONE = "largest share of one game"
-AGENTS = (*COMPARISONS["curricula"].variants, ENTROPY)
+AGENTS = tuple(COMPARISONS["curricula"].variants)
 Rows = Sequence[Mapping[str, Any]]
 
 
@@ -82,32 +80,24 @@ def _mean(chosen: np.ndarray) -> np.ndarray:
     return chosen.mean(0) if len(chosen) else np.full(len(GAMES), np.nan)
 
 
-def agent_of(run: RunFolder) -> str:
-    """Return the name of a run's method in the tables, with the changed entropy of the ablation."""
-    entropy = run.config.paired.adversary.ent_coef
-    changed = run.config.method == "paired" and entropy != PairedConfig().adversary.ent_coef
-    return f"paired, adversary entropy {entropy:g}" if changed else run.config.method
-
-
-def read_runs(folders: Sequence[Path]) -> list[dict[str, Any]]:
-    """Return a row for each part of each finished run in these folders.
+def read_runs(folder: Path) -> list[dict[str, Any]]:
+    """Return a row for each part of each finished run in the study's folder.
 
     Raises `CommandError` for runs of another version of the simulator, and if there are none.
     """
     rows = []
-    for path in sorted(path for folder in folders for path in folder.glob(f"{LADDER}-*/config.json")):
+    for path in sorted(folder.glob(f"{LADDER}-*/config.json")):
         run = RunFolder.open(path.parent)
         if not run.finished():
             continue
         versions.check_present(run.simulator, f"{run.path} was trained on", "its levels cannot be published")
-        about = {"agent": agent_of(run), "seed": run.config.seed, "simulator": SIMULATOR_VERSION}
+        about = {"agent": run.config.method, "seed": run.config.seed, "simulator": SIMULATOR_VERSION}
         for part, (shares, success) in enumerate(zip(*read_run(run.path), strict=True)):
             values = np.concatenate([shares, success]).round(4).tolist()
             spelled = ["" if np.isnan(value) else value for value in values]
             rows.append(about | {"part": part} | dict(zip((*SHARES, *SUCCESS), spelled, strict=True)))
     if not rows:
-        places = " and ".join(map(str, folders))
-        raise CommandError(f"{places}: no finished runs of {LADDER}; python -m lab.studies curricula trains them")
+        raise CommandError(f"{folder}: no finished runs of {LADDER}; python -m lab.studies curricula trains them")
     return rows
 
 
@@ -141,13 +131,14 @@ def text_of(rows: Rows, played: Sequence[Row]) -> str:
         "Share of each game among the levels that the teacher chose, in the second half of training; among random "
         f"levels it is 17%. {ONE[0].upper()}{ONE[1:]}: the mean over runs of the largest number of each run."
     )
-    about_middle = (
-        f"After 10M simulated steps: success on `{HARDEST}` in 64 episodes of each run, and {ONE} among the levels "
-        "that the teacher chose in the last 2M of these steps. 95% bootstrap intervals over runs. "
+    equal, legend = equal_table(rates)
+    about_equal = (
+        "Success on each game in percent, in 64 episodes of each run, after 10M student steps, and differences in "
+        f"percentage points; 95% bootstrap intervals over runs. {legend} "
         f"Measured on simulator version {SIMULATOR_VERSION}; `{COMMAND}`."
     )
     made = [as_markdown(success), about_success, as_markdown(share_table(shares)), about_shares]
-    return "\n\n".join([*made, as_markdown(middle_table(shares, rates)), about_middle])
+    return "\n\n".join([*made, as_markdown(equal), about_equal])
 
 
 def success_table(played: Sequence[Row]) -> tuple[list[list[str]], str]:
@@ -169,9 +160,8 @@ def rows_on(played: Sequence[Row], game: str) -> list[Row]:
 
 
 def share_table(shares: Mapping[str, np.ndarray]) -> list[list[str]]:
-    """Return games x methods of the study, mean shares in the second half of training, and the largest of each run."""
-    study = {name: mine for name, mine in shares.items() if name != ENTROPY}
-    late = {name: np.nanmean(mine[:, PARTS // 2 :], 1) for name, mine in study.items()}  # [R, GAMES]
+    """Return games x methods, mean shares in the second half of training, and the largest of each run."""
+    late = {name: np.nanmean(mine[:, HALF:], 1) for name, mine in shares.items()}  # [R, GAMES]
     table = [["game", *late]]
     for index, game in enumerate(GAMES):
         table.append([f"`{game}`", *(_cell(mine[:, index]) for mine in late.values())])
@@ -179,14 +169,18 @@ def share_table(shares: Mapping[str, np.ndarray]) -> list[list[str]]:
     return table
 
 
-def middle_table(shares: Mapping[str, np.ndarray], rates: Mapping[str, np.ndarray]) -> list[list[str]]:
-    """Return for DR and PAIRED, after 10M steps: runs, largest share of one game, and success on the hardest game."""
-    table = [["method", "runs", ONE, f"success on `{HARDEST}`"]]
-    for name in [name for name in ("dr", "paired", ENTROPY) if name in rates]:
-        most = _cell(shares[name][:, MIDDLE - 1].max(1)) if name in shares else ""
-        success = rates[name][:, MIDDLE - 1, GAMES.index(HARDEST)]
-        table.append([name, str(len(success)), most, _cell(success)])
-    return table
+def equal_table(rates: Mapping[str, np.ndarray]) -> tuple[list[list[str]], str]:
+    """Return games x success of DR, of PAIRED, and the difference, at equal student steps; and the legend of its mark.
+
+    PAIRED's tested student has half of the simulated steps, so DR is taken in the middle of its training.
+    """
+    dr, paired = rates["dr"][:, HALF - 1], rates["paired"][:, PARTS - 1]  # [R, GAMES]
+    gains = [significance.difference_of_means(paired[:, k], dr[:, k]) for k in range(len(GAMES))]
+    marks = significance.marks(gains)
+    table = [["game", "dr, 10M simulated steps", "paired, 20M simulated steps", "paired minus dr"]]
+    for k, game in enumerate(GAMES):
+        table.append([f"`{game}`", _cell(dr[:, k]), _cell(paired[:, k]), significance.points(gains[k], marks[k])])
+    return table, significance.sentences(significance.legend([gain.p for gain in gains]))
 
 
 def _cell(values: np.ndarray) -> str:
@@ -215,7 +209,7 @@ def draw(shares: Mapping[str, np.ndarray], path: Path = PICTURE) -> None:
             len(shares), columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained"
         )
         for panels, (name, runs) in zip(grid, shares.items(), strict=True):
-            panels[0].set_ylabel("PAIRED,\nentropy 0.1" if name == ENTROPY else plots.title(name))
+            panels[0].set_ylabel(plots.title(name))
             for axes in panels[len(runs) :]:
                 axes.set_visible(False)
             for axes, run in zip(panels, runs, strict=False):
@@ -239,7 +233,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog=COMMAND, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made.add_argument("folders", type=Path, nargs="*", help="of the studies' runs; without: the stored rows")
+    made.add_argument("folder", type=Path, nargs="?", help="of the study's runs; without: the stored rows")
     made.add_argument("--publish", action="store_true", help=f"keep the rows, draw the picture, tables into {PAGE}")
     return made
 
@@ -247,12 +241,12 @@ def parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str]) -> int:
     """Print or publish the tables; return the exit code."""
     options = parser().parse_args(argv)
-    rows = read_runs(options.folders) if options.folders else read_rows(STORED)
+    rows = read_runs(options.folder) if options.folder else read_rows(STORED)
     text = text_of(rows, stored(RESULTS, "curricula"))
     if not options.publish:
         print(text)
         return 0
-    if options.folders:
+    if options.folder:
         save_rows(rows, COLUMNS, STORED)
     draw(by_agent(rows, SHARES))
     put(ROOT / PAGE, "ladder: levels", text, f"Levels of {LADDER}")

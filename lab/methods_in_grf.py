@@ -3,9 +3,9 @@
 Plays the trained runs of two studies in both engines: of `1v1RareLine` on its held-out scenes, of `3v2FourBehaviors` on
 its test scenes. Needs GRF (`make grf`) and the folders of the runs. A stopped call continues with the same command.
 
-    python -m lab.paired_football order --csv lab/results/paired_order.csv    # trains runs
-    python -m lab.thesis paired                                               # trains runs
-    python -m lab.methods_in_grf --publish                                    # plays them: half an hour on 2 cores
+    python -m lab.paired_football --csv lab/results/paired_order.csv    # trains runs
+    python -m lab.thesis paired                                         # trains runs
+    python -m lab.methods_in_grf --publish                              # plays them: half an hour on 2 cores
 
 Read next: `lab/transfer.py`, which asks how many of its goals a policy keeps.
 """
@@ -83,11 +83,11 @@ class Played(NamedTuple):
 
 
 def rare_runs(folder: Path) -> Iterator[Trained]:
-    """Yield the runs of `lab.paired_football order` on the game, seed by seed."""
-    part = paired_football.PARTS["order"]
-    base = paired_football.runs_of(part, folder / "paired_football" / "order")
-    for seed in part.seeds:
-        for cell in part.cells:
+    """Yield the runs of `lab.paired_football` on the game, seed by seed."""
+    study = paired_football.STUDY
+    base = paired_football.runs_of(study, folder / "paired_football")
+    for seed in study.seeds:
+        for cell in study.cells:
             if cell.game == RARE_GAME and cell.variant in METHODS[RARE_GAME]:
                 opened = partial(paired_football.begin, base, cell, seed)
                 yield Trained(cell.game, cell.variant, cell.order, seed, opened)
@@ -102,7 +102,7 @@ def duel_runs(folder: Path) -> Iterator[Trained]:
 
 
 RUNS = {RARE_GAME: rare_runs, DUEL: duel_runs}
-TRAINED_BY = {RARE_GAME: "python -m lab.paired_football order", DUEL: "python -m lab.thesis paired"}
+TRAINED_BY = {RARE_GAME: "python -m lab.paired_football", DUEL: "python -m lab.thesis paired"}
 
 
 # ---------------------------------------------------------------- playing

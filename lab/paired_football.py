@@ -1,13 +1,12 @@
 """How does PAIRED choose levels on football, and is it independent of the order of options in a program?
 
-Each part trains runs in a folder, plays each finished run on held-out scenes, and writes its row. `order`: PAIRED and
-PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely. Every setting has
-ten runs, because five left both games open by the rule of `lab/studies/curricula.py`. `restricted`: a game without a
-rare branch. `settings`: one change of PAIRED at a time, on seeds that no final table uses. The same command continues a
-stopped part and skips finished rows; `--table` prints means and intervals of its CSV file:
+It trains PAIRED and PLR with the rare option first, in the middle and last, DR, and DR with all options equally likely,
+plays each finished run on held-out scenes, and writes its row. Every setting has ten runs, because five left both games
+open by the rule of `lab/studies/curricula.py`. The same command continues a stopped study and skips finished rows;
+`--table` prints means and intervals of the CSV file:
 
-    python -m lab.paired_football order --csv lab/results/paired_order.csv
-    python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into pages
+    python -m lab.paired_football --csv lab/results/paired_order.csv
+    python -m lab.paired_football --csv lab/results/paired_order.csv --table --publish    # into pages
 """
 
 from __future__ import annotations
@@ -53,8 +52,6 @@ BRANCHES = {  # by game: the replaced text of its program, and the options
     ),
 }
 ORDERS = {"first": "rare left right", "middle": "left rare right", "last": "left right rare"}
-TANH = {"paired.adversary.distribution": "tanh_gaussian", "paired.adversary.update_epochs": 20}
-ENTROPY = "paired.adversary.ent_coef"
 
 
 class Cell(NamedTuple):
@@ -67,7 +64,7 @@ class Cell(NamedTuple):
     settings: dict[str, Any]
 
 
-class Part(NamedTuple):
+class Study(NamedTuple):
     """Cells with their seeds and budget."""
 
     cells: list[Cell]
@@ -75,57 +72,20 @@ class Part(NamedTuple):
     env_steps: int
 
 
-def paired(game: str, order: str, variant: str, **settings: Any) -> Cell:
-    """Return a cell of PAIRED; settings have their full dotted names."""
-    return Cell(game, order, variant, "paired", settings)
-
-
-def order_part() -> Iterator[Cell]:
+def cells() -> Iterator[Cell]:
     """Yield DR, DR with all options equally likely, and PAIRED and PLR with each order."""
     for game in BRANCHES:
         yield Cell(game, "first", "dr", "dr", {})
         yield Cell(game, "even", "dr, equally likely options", "dr", {})
         for order in ORDERS:
-            yield paired(game, order, "paired")
+            yield Cell(game, order, "paired", "paired", {})
         for order in ORDERS:
-            yield paired(game, order, "paired, adversary entropy 0.1", **{ENTROPY: 0.1})
+            yield Cell(game, order, "paired, adversary entropy 0.1", "paired", {"paired.adversary.ent_coef": 0.1})
         for order in ORDERS:
             yield Cell(game, order, "plr", "plr", REPLAY)
 
 
-SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time
-    "population, 2 episodes": {},
-    "dennis2020": {"paired.roles": "dennis2020"},
-    "flexible": {"paired.roles": "flexible"},
-    "dennis2020, mean_mean": {"paired.roles": "dennis2020", "paired.regret": "mean_mean"},
-    "1 episode": {"paired.episodes_per_level": 1},
-    "4 episodes": {"paired.episodes_per_level": 4},
-    "half random levels": {"paired.dr_fraction": 0.5},
-}
-ROLES = list(SETTINGS)[:3]
-
-
-def settings_part() -> Iterator[Cell]:
-    """Yield PAIRED with each setting on the rare game, its branch in the middle; each role on another game, too."""
-    for name, more in SETTINGS.items():
-        yield paired("1v1Rare", "middle", name, **{ENTROPY: 0.1} | more)
-    for name in ROLES:
-        yield paired("1v1Restricted", "", name, **{ENTROPY: 0.1} | SETTINGS[name])
-
-
-PARTS = {
-    "order": Part(list(order_part()), range(40, 50), 4_000_000),
-    "restricted": Part(
-        [
-            Cell("1v1Restricted", "", "dr", "dr", {}),
-            paired("1v1Restricted", "", "paired"),
-            paired("1v1Restricted", "", "tanh_gaussian", **TANH),
-        ],
-        range(40, 45),
-        500_000,
-    ),
-    "settings": Part(list(settings_part()), range(1000, 1005), 1_000_000),
-}
+STUDY = Study(list(cells()), range(40, 50), 4_000_000)
 
 
 # ---------------------------------------------------------------- the programs
@@ -219,13 +179,13 @@ def load(path: Path) -> list[dict[str, str]]:
     return rows
 
 
-def add(path: Path, part: Part, cells: Mapping[Path, Cell], run: RunFolder) -> None:
-    """Play a run and put its row into a file in place of an older one, in the order of the part.
+def add(path: Path, study: Study, cells: Mapping[Path, Cell], run: RunFolder) -> None:
+    """Play a run and put its row into a file in place of an older one, in the order of the study.
 
     `cells`: the cell of each run, by run folder.
     """
     row = measure(run, cells[run.path])
-    place = {cell[:3]: index for index, cell in enumerate(part.cells)}
+    place = {cell[:3]: index for index, cell in enumerate(study.cells)}
     spelled = {name: f"{value:.4g}" if isinstance(value, float) else value for name, value in row.items()}
     by_key = {key_of(one): one for one in [*load(path), spelled]}
     kept = sorted(by_key, key=lambda key: (place.get(key[:3], len(place)), key))
@@ -233,29 +193,29 @@ def add(path: Path, part: Part, cells: Mapping[Path, Cell], run: RunFolder) -> N
     save_rows([by_key[key] for key in kept], COLUMNS, path)
 
 
-def train(part: Part, options: argparse.Namespace) -> int:
-    """Train the runs of a part that have no row, one seed at a time; return the exit code.
+def train(study: Study, options: argparse.Namespace) -> int:
+    """Train the runs of the study that have no row, one seed at a time; return the exit code.
 
     Each finished run is played, and its row is stored, while others still train.
     """
-    base = runs_of(part, options.out / options.part)
-    done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= part.env_steps}
-    print(f"{len(part.cells) * len(part.seeds)} runs, {len(done)} measured", flush=True)
+    base = runs_of(study, options.out)
+    done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= study.env_steps}
+    print(f"{len(study.cells) * len(study.seeds)} runs, {len(done)} measured", flush=True)
     with Deadline(options.hours) as stop:
-        for seed in part.seeds:
-            missing = [cell for cell in part.cells if (*cell[:3], seed) not in done]
+        for seed in study.seeds:
+            missing = [cell for cell in study.cells if (*cell[:3], seed) not in done]
             runs = [begin(base, cell, seed) for cell in missing]
             cells = {run.path: cell for run, cell in zip(runs, missing, strict=True)}
-            keep = partial(add, options.csv, part, cells)
+            keep = partial(add, options.csv, study, cells)
             if not train_and_measure(runs, LaunchConfig(processes=options.processes), stop, keep):
                 break
     print(f"{options.csv}{', continue with the same command' if stop else ''}", flush=True)
     return stop.exit_code
 
 
-def runs_of(part: Part, folder: Path) -> StudyRuns:
-    """Return the folder and settings of a part's runs."""
-    return StudyRuns(folder, training(), {"total_env_steps": part.env_steps, **LONG, **PPO})
+def runs_of(study: Study, folder: Path) -> StudyRuns:
+    """Return the folder and settings of the study's runs."""
+    return StudyRuns(folder, training(), {"total_env_steps": study.env_steps, **LONG, **PPO})
 
 
 def begin(base: StudyRuns, cell: Cell, seed: int) -> RunFolder:
@@ -272,7 +232,6 @@ def parser() -> argparse.ArgumentParser:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    made.add_argument("part", choices=PARTS)
     made.add_argument("--out", type=Path, default=Path("runs/paired_football"), help="folder of the runs")
     made.add_argument("--csv", type=Path, required=True, help="file of the rows, one for each run")
     made.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
@@ -283,24 +242,23 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Train and play a part, print or publish its table; return the exit code."""
+    """Train and play the runs, print or publish its table; return the exit code."""
     options = parser().parse_args(argv)
     if options.processes < 0 or options.hours <= 0:
         raise UsageError("--processes must be 0 or more, --hours above 0")
-    code = 0 if options.table else train(PARTS[options.part], options)
+    code = 0 if options.table else train(STUDY, options)
     rows = load(options.csv)
     if not rows:
         print(f"{options.csv} has no rows")
         return code
-    kinds = [cell[:3] for cell in PARTS[options.part].cells]
-    text = tables.table(rows, options.part, kinds)
+    kinds = [cell[:3] for cell in STUDY.cells]
+    text = tables.table(rows, kinds)
     if not options.publish:
         print(f"\n{text}")
         return code
-    put(ROOT / PAGE, f"rare: {options.part}", text, tables.TITLES[options.part])
-    if options.part == "order":
-        rare_levels_figure.draw(rows, FIFTHS)
-        put(ROOT / "RESULTS.md", "rare: summary", tables.summary(rows, kinds), "Rare levels")
+    put(ROOT / PAGE, "rare: order", text, tables.TITLE)
+    rare_levels_figure.draw(rows, FIFTHS)
+    put(ROOT / "RESULTS.md", "rare: summary", tables.summary(rows, kinds), "Rare levels")
     return code
 
 

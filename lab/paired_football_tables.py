@@ -20,21 +20,16 @@ from ued.statistics import Difference, bootstrap, detectable
 
 FIFTHS = 5  # of a run; each has its share of the rare branch in the proposals
 EPISODES = 300  # on each held-out scene
-TITLES = {  # of sections of the page
-    "order": "Rare levels, by the order of the options",
-    "restricted": "PAIRED on a game without rare levels",
-    "settings": "Settings of PAIRED",
-}
-SCENES = {"scene_0": "first scene", "scene_1": "second scene"}
-RARE = {"scene_0": "rare scene", "scene_1": "other scene"}  # if every game has a rare option
+TITLE = "Rare levels, by the order of the options"  # of the section of the page
+SCENES = {"scene_0": "rare scene", "scene_1": "other scene"}
 LAST = f"rare_share_{FIFTHS - 1}"
-SHOWN = {"held_out": "both scenes", LAST: "rare option in proposals"}
+SHOWN = SCENES | {"held_out": "both scenes", LAST: "rare option in proposals"}
 
 Rows = Sequence[Mapping[str, str]]
 Kind = tuple[str, str, str]  # game, order, setting
 
 
-def table(rows: Rows, part: str, kinds: Sequence[Kind]) -> str:
+def table(rows: Rows, kinds: Sequence[Kind]) -> str:
     """Return the success of each setting with each order, and the difference to its game's first setting, in Markdown.
 
     A game without rows of its first setting has no differences.
@@ -42,7 +37,7 @@ def table(rows: Rows, part: str, kinds: Sequence[Kind]) -> str:
     runs = {kind: [row for row in rows if (row["game"], row["order"], row["variant"]) == kind] for kind in kinds}
     firsts = {game: next(kind for kind in kinds if kind[0] == game) for game, _, _ in kinds}
     runs = {kind: mine for kind, mine in runs.items() if mine}
-    return compared(runs, firsts, part, ["game", "order", "setting"], between_orders(runs))
+    return compared(runs, firsts, ["game", "order", "setting"], between_orders(runs))
 
 
 def between_orders(runs: Mapping[Kind, Rows]) -> str:
@@ -70,11 +65,11 @@ def by_setting(kind: Kind) -> tuple[str, str]:
 
 
 def summary(rows: Rows, kinds: Sequence[Kind]) -> str:
-    """Return the same table for `order`, in which each seed's mean over all orders counts as one run."""
+    """Return the same table, in which each seed's mean over all orders counts as one run."""
     settings = list(dict.fromkeys((game, "", setting) for game, _, setting in kinds))
     runs = {kind: over_orders([row for row in rows if (row["game"], "", row["variant"]) == kind]) for kind in settings}
     firsts = {game: next(kind for kind in settings if kind[0] == game) for game, _, _ in settings}
-    text = compared({kind: mine for kind, mine in runs.items() if mine}, firsts, "order", ["game", "setting"])
+    text = compared({kind: mine for kind, mine in runs.items() if mine}, firsts, ["game", "setting"])
     return f"{text} PAIRED and PLR: each seed's mean over three orders of the options counts as one run."
 
 
@@ -83,30 +78,27 @@ def over_orders(rows: Rows) -> list[Mapping[str, str]]:
     found: list[Mapping[str, str]] = []
     for seed in unique([row["seed"] for row in rows]):
         mine = [row for row in rows if row["seed"] == seed]
-        values = {name: [float(row[name]) for row in mine if row.get(name)] for name in (*SCENES, *SHOWN)}
+        values = {name: [float(row[name]) for row in mine if row.get(name)] for name in SHOWN}
         means = {name: str(np.mean(some)) if some else "" for name, some in values.items()}
         found.append({**mine[0], "order": "", **means})
     return found
 
 
-def compared(
-    runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, columns: Sequence[str], more: str = ""
-) -> str:
+def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], columns: Sequence[str], more: str = "") -> str:
     """Return a table of groups of runs, with differences to the first setting of each game; `more` is for its note."""
     others = [kind for kind in runs if kind != firsts[kind[0]] and firsts[kind[0]] in runs]
     gains = {kind: difference_of_means(shares(runs[kind]), shares(runs[firsts[kind[0]]])) for kind in others}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     reference = " or ".join(dict.fromkeys(setting for _, _, setting in firsts.values()))
-    shown = (RARE if part == "order" else SCENES) | SHOWN
-    told = [[*columns, "runs", *shown.values(), f"minus {reference}, both scenes"]]
+    told = [[*columns, "runs", *SHOWN.values(), f"minus {reference}, both scenes"]]
     for kind, mine in runs.items():
         difference = points(gains[kind], marks[kind]) if kind in gains else ""
         named = [word for word, column in zip(kind, ("game", "order", "setting"), strict=True) if column in columns]
-        told.append([*named, str(len(mine)), *(cell(mine, column) for column in shown), difference])
-    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part, more)}"
+        told.append([*named, str(len(mine)), *(cell(mine, column) for column in SHOWN), difference])
+    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), more)}"
 
 
-def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str, more: str) -> str:
+def below(runs: Sequence[Rows], gains: Sequence[Difference], more: str) -> str:
     """Return the note below the table: budget, marks, the smallest visible difference, `more`, simulator and command.
 
     The deviations of runs are pooled over all settings of a game.
@@ -123,7 +115,7 @@ def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str, more: st
         more,
     )
     names = " and ".join(unique([simulator_name(int(row["simulator"])) for row in rows]))
-    return f"{said} Measured on {names}; `python -m lab.paired_football {part}`."
+    return f"{said} Measured on {names}; `python -m lab.paired_football`."
 
 
 def shares(rows: Rows) -> np.ndarray:

@@ -96,12 +96,6 @@ STUDIES = {
         run_curricula,
         games_of_study,
     ),
-    "ablations": Study(
-        "PAIRED with more entropy of its adversary, on a mixture of games",
-        CurriculaStudyConfig,
-        run_curricula,
-        games_of_study,
-    ),
     "tuning": Study("six settings of each method of curricula", CurriculaStudyConfig, run_curricula, games_of_study),
 }
 

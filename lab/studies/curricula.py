@@ -133,12 +133,9 @@ METHODS = {  # the best of six settings each
     "accel": Variant("accel", PPO | replay("accel", "learnability", edit_size=0.2)),
     "sfl": Variant("sfl", PPO),
 }
-ENTROPY = "paired, adversary entropy 0.1"
-ABLATIONS = {ENTROPY: Variant("paired", PPO | {"paired.adversary.ent_coef": 0.1})}  # so that it keeps several games
 
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=30, more_seeds=5),
-    "ablations": Comparison(ABLATIONS, {LADDER: GAMES[LADDER] | {"total_env_steps": 10_000_000}}, first_seed=1000),
     "tuning": Comparison(  # without Buildup: every setting of DR solves 3% after this budget, so it ranks no settings
         TUNING,
         games(4_000_000, "1v1Restricted", "ChoosePassing", "3v2FourBehaviors"),

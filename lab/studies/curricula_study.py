@@ -2,7 +2,6 @@
 
     python -m lab.studies curricula --hours 3                # after three hours call it again
     python -m lab.studies tuning                             # six settings of each method, on validation scenes
-    python -m lab.studies ablations
 
 Read next: `lab/studies/curricula.py`, what is compared; `lab/studies/measuring.py`, which plays.
 """
@@ -44,7 +43,7 @@ TESTS = 10  # evaluations of a student during training
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """Arguments of `python -m lab.studies curricula`, `ablations` or `tuning`."""
+    """Arguments of `python -m lab.studies curricula` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
     seeds: int | None = setting(None, "runs of each variant on each game; default: the study's", most=10_000, least=1)
@@ -70,7 +69,7 @@ class CurriculaStudy:
     """One of the studies.
 
     Args:
-        name: curricula, ablations or tuning.
+        name: curricula or tuning.
         config: its arguments.
         typed: settings of training given on the command line, by dotted path.
     """

@@ -47,7 +47,7 @@ MOST_SCENES = 6  # maximum number of scenes with their own columns
 class TablesConfig:
     """Arguments of `python -m lab.studies.tables`."""
 
-    name: str = positional("curricula, ablations, tuning, fast or thesis", default="")
+    name: str = positional("curricula, tuning, fast or thesis", default="")
     results: Path = setting(RESULTS, "folder of the CSV files of studies")
     page: Path | None = setting(None, "write the tables into this page instead of printing them")
     summary: bool = setting(False, "of curricula: one table, a row for each game")

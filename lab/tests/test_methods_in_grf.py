@@ -47,7 +47,7 @@ def test_differences_are_within_an_engine_and_marked():
 
 
 def test_a_run_that_is_not_trained_is_named(tmp_path):
-    with pytest.raises(CommandError, match=r"is not trained; first: python -m lab\.paired_football order"):
+    with pytest.raises(CommandError, match=r"is not trained; first: python -m lab\.paired_football"):
         main(["--runs", str(tmp_path), "--csv", str(tmp_path / "rows.csv")])
 
 

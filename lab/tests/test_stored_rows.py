@@ -6,7 +6,7 @@ from functools import cache
 
 import pytest
 
-from lab.paired_football import PARTS
+from lab.paired_football import STUDY
 from lab.studies.curricula import COMPARISONS
 from lab.thesis import plan
 from regista.envs.football.version import SIMULATOR_VERSION
@@ -34,8 +34,7 @@ def listed():
 
 
 def kind_of(path):
-    tuning = re.search("tuning|ablations|settings", path.stem)
-    return listed().get(path, ("tuning" if tuning else "final", "football"))
+    return listed().get(path, ("tuning" if "tuning" in path.stem else "final", "football"))
 
 
 def seeds_of(path):
@@ -77,7 +76,7 @@ def test_no_seed_of_a_final_table_is_in_a_tuning_table():
 
 def test_studies_begin_where_their_tables_belong():
     first = {name: comparison.first_seed for name, comparison in COMPARISONS.items()}
-    assert {name for name, seed in first.items() if seed >= 1000} == {"ablations", "tuning"}
+    assert {name for name, seed in first.items() if seed >= 1000} == {"tuning"}
     assert set(plan.SEEDS) == set(range(10))
 
 
@@ -85,5 +84,5 @@ def test_no_study_will_have_a_seed_of_tuning():
     tuning = {seed for path in MEASURED if kind_of(path)[0] == "tuning" for seed in seeds_of(path)}
     final = {name: comparison for name, comparison in COMPARISONS.items() if comparison.first_seed < 1000}
     planned = {name: range(one.first_seed, one.first_seed + one.most_seeds) for name, one in final.items()}
-    planned |= {name: part.seeds for name, part in PARTS.items() if name != "settings"} | {"thesis": plan.SEEDS}
+    planned |= {"rare levels": STUDY.seeds, "thesis": plan.SEEDS}
     assert {name: tuning & set(seeds) for name, seeds in planned.items()} == {name: set() for name in planned}

@@ -240,7 +240,7 @@ def test_tables_of_rows_are_printed_or_put_into_their_place_on_a_page(tmp_path, 
     page.write_text("<!-- study: fast -->\n")
     with pytest.raises(CommandError, match="has the mark '<!-- study: fast -->' without '<!-- end -->'"):
         tables.publish(tmp_path, "fast", page)
-    with pytest.raises(UsageError, match="no stored rows 'best'; there are curricula, ablations, "):
+    with pytest.raises(UsageError, match="no stored rows 'best'; there are curricula, tuning, "):
         tables.main(["best"])
     rows.add(tmp_path / "thesis.csv", [made("defense/2vs2", -0.25)._replace(simulator="0")])
     with pytest.raises(CommandError, match="they can be neither published nor added to"):

@@ -1,4 +1,4 @@
-"""`python -m lab.studies curricula`, `ablations`, `tuning`: the settings of each run, and the held-out games."""
+"""`python -m lab.studies curricula`, `tuning`: the settings of each run, and the held-out games."""
 
 import math
 import re
@@ -80,7 +80,7 @@ def test_scenes_that_are_played(begun, tmp_path, study, game, scenes):
 
 def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
     first = {name: next(CurriculaStudy(name, CurriculaStudyConfig(), {}).planned()).seed for name in COMPARISONS}
-    assert first == {"curricula": 30, "ablations": 1000, "tuning": 1000}
+    assert first == {"curricula": 30, "tuning": 1000}
     for config, typed in (
         (CurriculaStudyConfig(publish=True, first_seed=7), {}),
         (CurriculaStudyConfig(publish=True, seeds=11), {}),
