@@ -33,7 +33,7 @@ def test_gymnasium_knows_it_by_the_originals_name_and_moves_the_active_player():
     assert np.flatnonzero(env.step(0)[0][97:108]).tolist() == [1]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_run_of_it_moves_the_active_player_unless_told_otherwise(tmp_path):
     flags = ["--method=dr", "--total-env-steps=400", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]
     for words, control in (([], "active"), (["--control", "closest1"], "closest1")):

@@ -182,6 +182,7 @@ def test_draws_are_accepted_as_often_as_in_the_original(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("name", FACTS)
 def test_matches_of_random_keys_end_as_they_should(name):
     env = FootballVectorEnv(program_of(name), 32)
@@ -285,7 +286,7 @@ def test_names_are_found_and_slips_are_told(capsys):
     assert "D = 8" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_list_fits_the_terminal(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     for words in ([], ["maze"], ["defense"]):
@@ -298,7 +299,7 @@ def test_the_list_fits_the_terminal(monkeypatch, capsys):
     assert re.split(r"\s{2,}", row) == ["Gauntlet", "2 v 4", "11", "three guards on the path …"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_list_shows_games_with_what_is_published(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "250")
     assert main(["list"]) == 0

@@ -46,6 +46,7 @@ def contents(wheel: Path) -> dict[str, bytes]:
         return {name: file.read(name) for name in file.namelist()}
 
 
+@pytest.mark.long
 def test_a_wheel_has_the_files_of_the_checkout_as_they_are(unpacked):
     for package in ("scenic_lite", "ued", *FOLDERS):
         folder = ROOT / FOLDERS.get(package, package)
@@ -87,6 +88,7 @@ def test_type_checkers_read_what_is_installed(unpacked):
     assert (unpacked / "ued" / "__init__.pyi").is_file()
 
 
+@pytest.mark.long
 def test_an_sdist_makes_the_same_wheel_and_has_no_tests(source, wheel, tmp_path):
     with tarfile.open(build_sdist(source, tmp_path / "sdist")) as file:
         assert not [name for name in file.getnames() if "/tests/" in name or "/lab/" in name]
@@ -95,6 +97,7 @@ def test_an_sdist_makes_the_same_wheel_and_has_no_tests(source, wheel, tmp_path)
     assert contents(build_wheel(tree, tmp_path / "again")) == contents(wheel)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("words", [("wheel", "--wheel-dir", "out"), ("install", "--target", "out", "--editable")])
 def test_a_tree_without_its_links_is_refused(tmp_path, words):
     tree = clone(tmp_path / "tree", links=False)
@@ -127,6 +130,7 @@ print("envs" in sys.modules, importlib.import_module("regista").__file__)
 """
 
 
+@pytest.mark.long
 def test_every_module_of_a_wheel_can_be_imported(unpacked, python, tmp_path):
     """An import may fail only if a package of another project is not installed."""
     files = [path.relative_to(unpacked) for path in unpacked.rglob("*.py")]

@@ -137,6 +137,7 @@ def train_here(runs, most, stop, launcher, over):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", RUN)
 def test_every_block_of_a_page_runs(name, tmp_path, monkeypatch, capsys):
     if name in NEEDS:
@@ -171,7 +172,7 @@ def test_every_picture_names_the_command_that_makes_it(name):
         assert re.match(r"\*[^*]*`(regista|make|rerun|python) [^`]+`[^*]*\*", after), f"{path.name}: {after}"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_site_is_built_without_a_complaint(tmp_path):
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
     offline = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9", "NO_MKDOCS_2_WARNING": "1"}

@@ -48,6 +48,7 @@ NEEDS = {
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", SHORT)
 def test_an_example_runs(name, tmp_path, monkeypatch, capsys):
     if name in NEEDS:

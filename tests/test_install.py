@@ -98,6 +98,7 @@ def test_a_killed_run_is_resumed_and_recorded(trained):
     assert (trained / "curriculum.rrd").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_a_run_is_evaluated(trained, regista):
     assert "easy" in regista("evaluate", str(trained), *FEW)
 
@@ -119,6 +120,7 @@ def test_methods_are_compared(regista, project):
     assert (project / "both" / "plr-0" / "checkpoint.pt").exists()
 
 
+@pytest.mark.long
 def test_a_match_is_played_and_replayed(regista, project):
     regista("play", GAME, "--steps", "20", "--video", "match.gif", "--record", "match.npz")
     assert (project / "match.gif").stat().st_size > 1000
@@ -126,12 +128,14 @@ def test_a_match_is_played_and_replayed(regista, project):
     assert (project / "again.gif").read_bytes() == (project / "match.gif").read_bytes()
 
 
+@pytest.mark.long
 def test_a_program_is_inspected_and_all_are_listed(regista, project):
     assert "6" in regista("inspect", GAME, "--png", "scenes.png")
     assert (project / "scenes.png").stat().st_size > 1000
     assert GAME in regista("list")
 
 
+@pytest.mark.long
 def test_a_task_imports_the_envs_of_its_project(regista, project):
     settings = ["--methods", "plr", "--seeds", "1", "--processes", "1", *FEW]
     regista("compare", "task.py:make", *settings, *SHORT, "--out", "task")
@@ -157,6 +161,7 @@ def test_every_command_has_help(regista, python, project):
     assert told.stdout.splitlines() == [f"{command} True" for command in commands], told.stderr
 
 
+@pytest.mark.long
 def test_gymnasium_makes_a_minigame(python, project):
     code = "import gymnasium; print(gymnasium.make('regista:regista/1v1Free-v1').reset(seed=0)[0].shape)"
     done = run([python, "-c", code], project)

@@ -86,7 +86,7 @@ def compiling(folder: Path, seconds: float) -> Iterator[subprocess.Popen[str]]:
         process.communicate()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_who_starts_meanwhile_says_that_it_waits_and_loads_the_result(folder: Path) -> None:
     with compiling(folder, 4) as first:
         second = start(folder)
@@ -95,7 +95,7 @@ def test_who_starts_meanwhile_says_that_it_waits_and_loads_the_result(folder: Pa
     assert said(start(folder)) == (LOADED, "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_who_is_killed_while_compiling_blocks_nobody(folder: Path) -> None:
     with compiling(folder, 600) as first:
         second = start(folder)
@@ -106,7 +106,7 @@ def test_who_is_killed_while_compiling_blocks_nobody(folder: Path) -> None:
     assert said(start(folder)) == (LOADED, "")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_damaged_caches_are_replaced(folder: Path) -> None:
     said(start(folder))
     for ending in ("*.nbc", "*.nbi"):
@@ -152,7 +152,7 @@ assert called == {entry.py_func for entry in entry_points()}, called
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_python_calls_no_kernels_but_the_entry_points_each_with_the_same_types() -> None:
     done = subprocess.run([sys.executable, "-c", PLAY], cwd=jit.ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

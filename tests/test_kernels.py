@@ -132,6 +132,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(14)
 @pytest.mark.parametrize(
     ("file", "stale"),
     [
@@ -294,7 +295,7 @@ print(sum(quadruple.stats.cache_misses.values()))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_kernel_is_compiled_once_by_programs_that_begin_together(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(jit.ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
     environment.pop("NUMBA_DISABLE_JIT", None)
@@ -320,7 +321,7 @@ print(sum(rng.uniform.stats.cache_misses.values()), jit.ROOT)
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_equal_copies_of_regista_share_what_is_compiled(tmp_path: Path) -> None:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     environment.pop("NUMBA_DISABLE_JIT", None)

@@ -116,7 +116,7 @@ def test_the_chaser_runs_at_the_ball():
     assert (np.nanmean(gap[12]) < np.nanmean(gap[0]) - 5) and np.nanmin(gap, axis=0).max() < 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_marker_runs_at_the_ball_until_somebody_owns_it():
     places, _, _ = courses_of("B")
     assert np.nanmean(places[10, :, 0]) < 84

@@ -34,7 +34,7 @@ def test_outputs_are_stored_without_a_trace_of_a_machine(name):
     assert [cell.source for cell in stored(name).cells if cell.cell_type == "code" and not cell.execution_count] == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_runs(name, tmp_path):
     pytest.importorskip("pandas", reason="notebooks show tables")

@@ -25,7 +25,7 @@ def test_a_picture_is_rgb(path):
         assert picture.mode == "RGB"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", LEGENDS)
 def test_the_colors_of_its_legend_occur_in_a_picture(name):
     with Image.open(FOLDER / f"{name}.png") as picture:

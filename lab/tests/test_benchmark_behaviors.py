@@ -18,6 +18,7 @@ def test_every_program_is_installed_and_the_figure_is_the_thesiss():
     assert (PROGRAMS / "figure_2_1.scenic").read_text() == THESIS.read_text()
 
 
+@pytest.mark.long
 def test_the_suite_measures_them(capsys, monkeypatch):
     monkeypatch.setattr("lab.benchmarks.language.CASES", {})
     monkeypatch.setattr("lab.benchmarks.behaviors.NUM_ENVS", 4)

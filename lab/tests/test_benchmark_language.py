@@ -14,6 +14,7 @@ def test_every_program_of_the_table_is_installed():
     assert set(CASES) <= {path.stem for path in PROGRAMS.glob("*.scenic")}
 
 
+@pytest.mark.long
 def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
     monkeypatch.setattr("lab.benchmarks.language.LARGE", 64)
     monkeypatch.setattr("lab.benchmarks.language.SMALL", 8)

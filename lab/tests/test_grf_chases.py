@@ -26,7 +26,7 @@ def test_backs_and_chasers_run_where_the_original_s_run():
     assert all(row.ok for row in rows), [(row.name, row.ours) for row in rows if not row.ok]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_family_is_drawn(tmp_path):
     chases.figure(tmp_path / "chases.png", 0.1)
     assert (tmp_path / "chases.png").stat().st_size > 1000

@@ -25,7 +25,7 @@ def test_passes_turnovers_and_restarts_are_counted():
     assert matches.possession(trace)["possession left"] == pytest.approx(10 / 15)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_whole_matches_give_every_quantity_and_players_run_as_far_as_measured():
     rows = matches.measure(0.1)
     assert {row.name.split(": ")[1] for row in rows} == {row["quantity"] for row in read_data("matches")}

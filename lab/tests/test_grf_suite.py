@@ -89,7 +89,7 @@ def test_a_table_counts_what_is_within_tolerance():
     assert "MISSES" in table and table.endswith("1 of 2 within tolerance (wanted 2)")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_steady_speeds_are_the_originals():
     targets = {(row["keys"], row["ball"]): float(row["speed"]) for row in read_data("steady_speeds")}
     rows = [row for row in family_module("motion").measure(0.1) if row.name.startswith("steady")]
@@ -115,7 +115,7 @@ def test_a_family_that_does_not_exist_is_named(capsys):
     assert capsys.readouterr().err.startswith("regista: --family: no 'keeper', only academy, d")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_simulators_suite_prints_json(capsys):
     assert main(["--suite", "sim", "--num-envs", "4", "--seconds", "0.01", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

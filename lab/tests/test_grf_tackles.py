@@ -26,7 +26,7 @@ def test_a_lone_defender_behind_a_sprinter_is_too_late():
     assert lost < 0.2 and scored > 0.7
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_family_is_drawn(tmp_path):
     tackles.figure(tmp_path / "tackles.png", 0.1)
     assert (tmp_path / "tackles.png").stat().st_size > 1000

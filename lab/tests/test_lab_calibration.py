@@ -107,7 +107,7 @@ def test_blocks_are_recovered():
     assert found.values == pytest.approx(wanted, abs=0.06)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_parries_and_holds_are_recovered():
     run, came = RNG.normal(0.0, 4.0, (3000, 2)), RNG.normal((25.0, 0.0), 4.0, (3000, 2))
     met = np.column_stack([RNG.uniform(0.3, 2.0, 3000), np.linalg.norm(came, axis=1), run, came, np.zeros((3000, 4))])
@@ -200,6 +200,7 @@ def test_time_since_a_kick():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", TABLES)
 def test_stored_measurements_can_be_fitted(name):
     rows = read(TABLES[name].source)

@@ -134,7 +134,7 @@ def test_the_built_in_ai_meets_the_four_strategies(tmp_path, capsys):
     assert load(tmp_path / "results" / "thesis_strategies.csv") == rows  # runs with rows are not played again
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_runs_are_trained_played_and_drawn_once(begun, tmp_path, capsys):
     words = ["paired", *BRIEF, "--games", "ChoosePassing", "--methods", "dr", "paired", "--out", str(tmp_path)]
     assert command.main(words) == 0

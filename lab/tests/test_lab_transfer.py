@@ -77,7 +77,7 @@ def test_every_table_has_a_place(lab):
     assert sorted(places) == sorted([*tables.TABLES, "summary"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tables_say_what_is_in_the_files(lab, results):
     tables = lab["transfer_tables"]
     text = "\n".join((ROOT / name).read_text() for name in tables.PAGES)
@@ -139,7 +139,7 @@ def test_what_has_rows_of_this_simulator_is_not_done_again(lab, tmp_path, monkey
     assert transfer.load(path) == [] and transfer.missing(units, []) == units
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("number", [0, 8])  # a game of the academy, whose levels are jittered, and another game
 def test_a_run_is_trained_once_and_played_in_both_engines(lab, tmp_path, monkeypatch, number):
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))

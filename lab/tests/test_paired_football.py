@@ -113,7 +113,7 @@ def test_runs_are_trained_and_what_has_a_row_is_not_trained_again(short, begun, 
     assert begun == first and path.read_text() == text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_stopped_study_keeps_each_finished_run(short, begun, monkeypatch):
     path, words = short
     usual = paired_football.measure

@@ -64,6 +64,7 @@ def test_a_benchmark_is_measured_and_its_rows_are_tabulated_beside_published_one
     assert (told[4], told[7]) == ("+0.52 ± 0.12", "+0.01 ± 0.03")
 
 
+@pytest.mark.long
 def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single, tmp_path):
     words, begun = single
     assert main(words) == 0
@@ -92,6 +93,7 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path, capsys):
     assert main(words) == 0 and len(begun) == 1
 
 
+@pytest.mark.long
 def test_teams_share_a_policy_or_a_critic_beside_those_of_the_thesis(single, tmp_path):
     words, begun = single
     words[:4] = ["teams", "--games", "offense/hard_crossing"]
@@ -112,6 +114,7 @@ def test_teams_share_a_policy_or_a_critic_beside_those_of_the_thesis(single, tmp
     assert len(BenchmarkStudy("teams", BenchmarkStudyConfig(), {}).games()) == 3
 
 
+@pytest.mark.long
 def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path, capsys):
     pytest.importorskip("minari")
     words, begun = single
@@ -151,6 +154,7 @@ def test_rows_of_the_benchmark_are_those_of_ppo_on_levels_as_they_come(capsys):
     assert "unknown flag --method" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)

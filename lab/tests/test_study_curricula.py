@@ -34,7 +34,7 @@ def here(begun, tmp_path):
     return [*words, "--out", str(tmp_path)], begun
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_variants_are_trained_and_played_on_held_out_scenes_and_kept_in_small_tables(here, tmp_path, capsys):
     words, begun = here
     assert main(words) == 0
@@ -60,7 +60,7 @@ def test_variants_are_trained_and_played_on_held_out_scenes_and_kept_in_small_ta
     assert set(measured) < set(rows.load(tmp_path / "results" / "curricula.csv"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("study", "game", "scenes"),
     [
@@ -114,7 +114,7 @@ def test_what_is_compared_has_the_best_settings_of_the_stored_tuning():
     assert without and {row.scene for row in stored if row.game in without} == {"train"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
     for name in COMPARISONS:
         study = CurriculaStudy(name, CurriculaStudyConfig(out=tmp_path, seeds=1), {})

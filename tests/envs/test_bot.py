@@ -68,7 +68,7 @@ def test_it_plays_from_plain_lists_as_well() -> None:
             break
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_it_scores_where_random_play_does_not() -> None:
     assert goal_rate(CLOSE, bot=True) > 0.9 > 0.5 > goal_rate(CLOSE, bot=False)
     # 4 of 20 in Google Research Football

@@ -104,6 +104,7 @@ def assert_same(ours, theirs):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
     method, ours = trained(case, True, monkeypatch)

@@ -70,13 +70,13 @@ def test_an_environment_that_has_not_begun_can_be_copied() -> None:
     FootballVectorEnv(MINIGAMES["1v1Free"].program, 2).copy()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_states_with_one_number_changed() -> None:
     counts = attack_states(1800, 0)
     assert counts[REFUSED] > 300 and counts[PLAYED] > 300
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_records_with_something_changed(tmp_path) -> None:
     counts = attack_records(120, 0, tmp_path)
     assert counts[REFUSED] > 60

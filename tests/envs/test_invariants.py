@@ -43,7 +43,7 @@ BUILT_IN = replace(OPEN, control="none", offsides=True, right_team_difficulty=1.
 speed = st.floats(-8, 8)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(4))
 def test_torture(seed: int) -> None:
     """The quick form; `python -m tests.envs.torture` plays on for as long as one likes."""
@@ -149,6 +149,7 @@ def mirrored(players: list[Player], ball: tuple[float, float]) -> tuple[list[Pla
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("place", [(0.4, 1.1), (30.0, -20.0), (54.0, 10.0)])
 def test_a_turned_world_plays_the_turned_match(place: tuple[float, float]) -> None:
     """Restarts, fouls, goals and scatter included: 40 s of sixteen matches, player for player.
@@ -177,6 +178,7 @@ def check_turned(here: np.ndarray, there: np.ndarray) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("seed", range(40))
 def test_strange_scenes_turn_too(seed: int) -> None:
     """Piles, corners, everybody on one line or on the ball: where things are exactly even, too; half play by keys."""
@@ -271,7 +273,7 @@ def test_neither_side_is_sooner_at_the_ball() -> None:
     assert abs(first.mean() - 0.5) < 4 * 0.5 / math.sqrt(200)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_neither_side_is_better() -> None:
     """Mean goal difference of 300 matches of 1500 steps, within 3.3 standard errors of 0 (1 false alarm in 1000).
 
@@ -304,7 +306,7 @@ def tortured() -> np.ndarray:
     return plain(matches)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_rules_uncompiled(tmp_path: Path) -> None:
     """The same source as plain Python gives the same matches."""
     file = tmp_path / "matches.npy"

@@ -392,6 +392,7 @@ def trained(case, compiled, monkeypatch, updates=3):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
     (method, ours), (other, theirs) = (trained(case, compiled, monkeypatch) for compiled in (True, False))

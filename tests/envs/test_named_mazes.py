@@ -231,7 +231,7 @@ def test_walls_hide_cells_in_minigrids_own_mazes(representation):
         assert (seen[:, inside] == full[:, inside]).all() == opaque, name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_one_student_plays_them_all_and_baselines_are_its_bounds():
     mazes = make_mazes(8)
     method = METHODS["dr"].load()(mazes, PPOConfig(num_steps=16, num_minibatches=1, memory="gru", hidden_size=16))

@@ -44,6 +44,7 @@ def walk(env: FootballParallelEnv, steps: int, seed: int = 0, **options: object)
 
 
 @pytest.mark.slow
+@pytest.mark.sample(8)
 @pytest.mark.parametrize(
     ("control", "right_control", "count"),
     [

@@ -17,6 +17,7 @@ def program(path):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("path", [program(path) for path in PROGRAMS])
 def test_a_program_does_what_it_says(path):
     wanted = expectations(path)

@@ -30,7 +30,7 @@ def sample(folder: str, part: str) -> list[Path]:
     return found[:1] if part == "first" else found[1:]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_programs_are_as_the_tables_have_them() -> None:
     for path in FILES:
         if name_of(path) in MODULES:
@@ -75,6 +75,7 @@ def ending(moment) -> int:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(10)
 @pytest.mark.parametrize(("folder", "part"), SAMPLES)
 def test_compiled_behaviors_play_as_the_reference_does(folder: str, part: str) -> None:
     for path in sample(folder, part):

@@ -30,6 +30,7 @@ def recorded(path, program, steps=120, **settings):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("program", "settings"),
     [(PROGRAM, {"representation": "smm_stacked", "control": "closest2"}), (ALONE, {"rewards": "scoring,checkpoints"})],

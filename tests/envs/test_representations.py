@@ -188,6 +188,7 @@ def test_smm_is_made_of_raw_as_in_the_original():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("representation", ["smm", "smm_stacked"])
 @pytest.mark.parametrize(("control", "right_control"), [("closest1", "none"), ("closest3", "closest2")])
 def test_sparse_smm_is_the_same_planes_as_coordinates(representation, control, right_control):
@@ -252,6 +253,7 @@ def test_the_last_observation_of_an_episode_is_of_that_episode():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 @pytest.mark.parametrize("control", CONTROLS)
 def test_gymnasium_accepts_every_representation_and_control(representation, control):
@@ -262,6 +264,7 @@ def test_gymnasium_accepts_every_representation_and_control(representation, cont
 
 
 @pytest.mark.slow
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 @pytest.mark.parametrize("control", ["closest1", "closest3", "all"])
 def test_the_batch_keeps_the_contract_of_vector_environments(representation, control):
@@ -276,6 +279,7 @@ def test_the_batch_keeps_the_contract_of_vector_environments(representation, con
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 def test_a_state_resumes_bit_for_bit_in_another_environment(representation):
     env, twin = make(representation, "closest2"), make(representation, "closest2")

@@ -137,7 +137,7 @@ def test_both_sides_play_alike() -> None:
     assert (here["score"][:, ::-1] == there["score"]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(
     striker=st.tuples(st.floats(-50, 50), st.floats(-30, 30)),

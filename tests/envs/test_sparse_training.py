@@ -44,6 +44,7 @@ def trained(method, pixels, config=PPO, *own):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("settings", [{}, {"memory": "gru"}, {"shared_torso": False}])
 def test_a_run_on_coordinates_is_the_run_on_images_but_for_rounding(settings):
     config = replace(PPO, **settings)
@@ -60,7 +61,7 @@ def test_a_run_on_coordinates_is_the_run_on_images_but_for_rounding(settings):
             assert mine[name] == pytest.approx(other[name], rel=1e-3, abs=1e-6), name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_paired_on_coordinates_chooses_the_levels_that_it_chooses_on_images():
     """The adversary's context is the image itself, as in the thesis."""
     config = PairedConfig(adversary=AdversaryConfig(context="observation", hidden_size=8))

@@ -54,6 +54,7 @@ def test_its_settings_are_the_selected_ones_that_a_flag_overrides(run):
     assert (config.ppo.memory, config.accel.buffer.capacity, config.ppo.num_steps) == ("gru", 4000, 32)
 
 
+@pytest.mark.long
 def test_a_run_is_resumed_and_evaluated_without_trust(run, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
@@ -77,6 +78,7 @@ def test_a_recording_and_a_gallery_show_mazes(run, capsys):
     assert sum(tiles) == 13 * 13
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("columns", [80, 100])
 def test_lines_of_the_list_fit_the_terminal(columns, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(columns))

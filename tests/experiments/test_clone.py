@@ -42,6 +42,7 @@ def untimed(path):
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 
+@pytest.mark.long
 @pytest.mark.drawn
 @pytest.mark.parametrize("name", ["one", "two"])
 def test_a_clone_is_a_run_that_can_be_evaluated_and_trained_on(demos, tmp_path, capsys, name):
@@ -84,6 +85,7 @@ def test_a_training_begins_with_the_clone_and_stays_close_to_it_if_told(demos, t
     assert 0 < moved["held"] < moved["free"]
 
 
+@pytest.mark.long
 def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_path, monkeypatch):
     from ued.methods.dr import DR
 
@@ -115,6 +117,7 @@ def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_p
     assert len(untimed(whole / "metrics.csv")) == 4
 
 
+@pytest.mark.long
 def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsys):
     from ued.learning.cloning import Cloner
 
@@ -165,6 +168,7 @@ def test_critics_of_opponents_learn_the_returns_of_their_own_side(tmp_path):
     assert value[0] > 0.5 and value[1] < -0.5
 
 
+@pytest.mark.long
 def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
     from regista.experiments.imitation import cloning_data
 
@@ -249,6 +253,7 @@ def test_a_clone_whose_table_is_damaged_is_refused_and_left_alone(demos, tmp_pat
     assert not (out / "program.scenic").exists()
 
 
+@pytest.mark.long
 def test_parameters_of_the_program_are_kept_by_clones_and_missed_by_others(tmp_path, capsys):
     program = tmp_path / "run.scenic"
     program.write_text(RUN)

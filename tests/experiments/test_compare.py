@@ -185,7 +185,7 @@ def test_levels_that_give_no_cvar_are_refused(flags, capsys):
 
 
 @pytest.mark.drawn
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
     command = [sys.executable, "-m", "regista", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]

@@ -34,6 +34,7 @@ def edited(run, folder, **changes):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["", "config.json"])
 def test_a_run_of_the_same_settings_gives_the_same_numbers(run, name, tmp_path):
     assert main(["train", "--config", str(run / name), "--out", str(tmp_path / "again")]) == 0

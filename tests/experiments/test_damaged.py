@@ -32,6 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "number"), [(name, k) for name, each in DAMAGES.items() for k in range(len(each))])
 def test_a_file_that_is_something_else(folder, tmp_path, name, number):
     copy = tmp_path / "run"
@@ -93,6 +94,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_run(tmp_path_factory.mktemp("begun"), 200, "begun")
 
 
+@pytest.mark.long
 def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
     for keys, value in (
         (("spaces", "action", "kind"), "Nothing"),
@@ -181,6 +183,7 @@ def test_a_table_that_does_not_say_how_long_was_trained(begun, tmp_path, text):
     assert run.seconds() == 0.0
 
 
+@pytest.mark.long
 def test_run_folders_with_something_damaged(folder):
     assert attack(40, 0, folder)[REFUSED] > 10
     assert Target(folder).run.exists()

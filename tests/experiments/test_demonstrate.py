@@ -100,6 +100,7 @@ def test_demonstrations_carry_the_version_and_take_in_no_other(program, tmp_path
         assert "nothing can be added to it" in said or "it cannot be cloned" in said
 
 
+@pytest.mark.long
 def test_what_is_seen_is_what_the_replay_shows(program, tmp_path):
     out = tmp_path / "demos"
     flags = ["--episodes", "5", "--keep", "all", "--representation", "smm_stacked"]
@@ -134,6 +135,7 @@ def test_several_agents_have_data_of_their_own(tmp_path):
     assert episode.infos["agent_rewards"].shape == (steps, 2)
 
 
+@pytest.mark.long
 def test_it_goes_on_where_it_was_killed(program, tmp_path, monkeypatch, capsys):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     flags = ["--episodes", "400"]
@@ -156,6 +158,7 @@ def test_it_goes_on_where_it_was_killed(program, tmp_path, monkeypatch, capsys):
     assert same_folder(whole, fewer)
 
 
+@pytest.mark.long
 def test_a_damaged_part_is_named_and_can_be_played_anew(program, tmp_path, capsys):
     out, copy = tmp_path / "demos", tmp_path / "copy"
     assert demonstrate(program, out, "--episodes", "400") == 0
@@ -188,6 +191,7 @@ def test_a_full_disk_loses_nothing(program, tmp_path, monkeypatch, capsys):
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
@@ -226,6 +230,7 @@ def test_who_never_succeeds_gives_up(tmp_path, capsys):
     assert json.loads((tmp_path / "demos" / "data" / "metadata.json").read_text())["total_episodes"] == 0
 
 
+@pytest.mark.long
 def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     run = tmp_path / "run"
     flags = ["--total-env-steps", "512", "--num-envs", "8", "--eval-every", "0", "--no-record", "--control", "1"]
@@ -259,6 +264,7 @@ def test_the_environment_is_recovered_from_the_data(program, tmp_path):
     assert (seen[:22] == data[2].observations[0][:22]).all()  # everybody stands where he stood
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("control", "played"), [("closest1", "run"), ("2", "pair"), ("all", "pair")])
 def test_one_agent_has_another_semi_expert_than_a_team(program, tmp_path, monkeypatch, control, played):
     from regista.minigames import suites

@@ -89,6 +89,7 @@ def test_positions_are_kept_whatever_the_size_of_the_world(size):
     assert np.nanmax(np.abs(np.where(packed == gallery.NOWHERE, np.nan, packed * unit) - places)) < size / 10_000
 
 
+@pytest.mark.long
 def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
@@ -105,6 +106,7 @@ def test_every_row_plays_the_very_episodes_again(run):
         assert replay.level["seed"][0] == level["seed"]
 
 
+@pytest.mark.long
 def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
     task = Path(run.path).parent / "walk_task.py"
     command = ["train", f"{task}:task", "--method", "plr", "--plr.buffer.capacity", "5", "--total-env-steps", "4_000"]

@@ -153,7 +153,7 @@ def test_a_theta_of_ones_own_is_drawn(street, tmp_path, capsys):
     assert "1 scene drawn" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_program_without_objects_or_draws_is_drawn_too(tmp_path, capsys):
     for number, text in enumerate(("param x = Range(0, 1)\n", "new Object at 1 @ 2, with requireVisible False\n")):
         path = tmp_path / f"{number}.scenic"

@@ -113,6 +113,7 @@ def test_chosen_columns_include_those_that_are_left_out(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("form", ["csv", "parquet"])
 def test_a_table_that_was_cut_back_and_continued_has_the_same_bytes(tmp_path, small_parts, form):
     whole = contents(written(tmp_path / "whole", form))

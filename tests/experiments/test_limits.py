@@ -88,7 +88,7 @@ def test_every_number_of_every_command_has_bounds(line, monkeypatch):
 seen: set[tuple[type, str]] = set()  # what a command before has in common with this one
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("line", LINES, ids=" ".join)
 def test_what_is_beyond_the_bounds_is_refused_with_the_flag(line, monkeypatch, capsys):
     for number in numbers_of(settings_of(line, monkeypatch)):
@@ -122,7 +122,7 @@ def every_number(config: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tupl
             yield (*path, item.name), item
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [TrainConfig, TaskTrainConfig])
 def test_a_file_cannot_say_what_cannot_be_typed(kind):
     for path, item in every_number(kind()):

@@ -67,7 +67,7 @@ def test_another_type_than_a_path_is_refused_with_the_argument(load, path):
         load(path)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_figures_are_drawn(run, comparison):
     assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
     labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
@@ -104,7 +104,7 @@ def test_a_run_trained_from_python_is_finished(run):
     assert RunFolder.open(run).finished()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tables_of_a_comparison_are_frames(comparison):
     pytest.importorskip("pandas")
     results = comparison.results()
@@ -160,7 +160,7 @@ def test_an_argument_of_another_type_is_refused_in_a_sentence(call, sentence, tm
     assert not [*tmp_path.iterdir()]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_whole_number_may_be_a_float_and_one_method_a_name(tmp_path, trained_here):
     run = regista.load_run(regista.train(GAME, out=tmp_path / "run", total_env_steps=1e2, **SMALL))
     assert repr(run.config.total_env_steps) == "100"

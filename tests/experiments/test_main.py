@@ -171,7 +171,7 @@ def test_inspect_shows_text_and_scenes(capsys, tmp_path):
     assert png.stat().st_size > 10_000
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_benchmark_prints_json_and_a_table(capsys, monkeypatch):
     monkeypatch.setattr("regista.experiments.commands.benchmark.WARM_UP", 1)
     words = ["benchmark", "--num-envs", "4", "--seconds", "0.01"]

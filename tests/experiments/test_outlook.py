@@ -112,7 +112,7 @@ def trained(tmp_path, limit, *words):
     return tmp_path / "run"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_long_episodes_do_not_keep_accel_from_learning(tmp_path, capsys):
     run = trained(tmp_path, 250, "--method", "accel", "--total-env-steps", "10_000")
     steps = read_columns(run / "metrics.csv")["student/gradient_steps"]
@@ -123,7 +123,7 @@ def test_long_episodes_do_not_keep_accel_from_learning(tmp_path, capsys):
     assert texts and all("steps so far, the limit is 250" in text for text in texts)  # none has learned nothing
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_run_that_learns_nothing_says_so_before_during_and_after(tmp_path, capsys):
     words = ["--method", "accel", "--total-env-steps", "4000", "--accel.min-fill", "0.5"]
     run = trained(tmp_path, 250, *words)

@@ -35,7 +35,7 @@ def played(words, capsys):
     return capsys.readouterr().out.splitlines()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_student_of_football_is_filmed(football, tmp_path, capsys):
     video = tmp_path / "policy.gif"
     words = ["--player", football, "--steps", "12"]
@@ -59,6 +59,7 @@ def test_a_student_plays_test_scenes_levels_and_other_games(football, tmp_path, 
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("words", "message"),
     [

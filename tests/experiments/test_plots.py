@@ -71,7 +71,7 @@ def has_color(path, color):
     return bool((np.abs(image - to_rgb(color)).max(-1) < 0.02).any())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_learning_curves(runs, tmp_path):
     path = tmp_path / "curves.png"
     curves.learning_curves(runs, path)
@@ -79,7 +79,7 @@ def test_learning_curves(runs, tmp_path):
     assert has_color(path, plots.METHOD_COLORS["dr"]) and has_color(path, plots.METHOD_COLORS["paired"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_levels(runs, painter, tmp_path):
     path = tmp_path / "levels.png"
     level_plots.levels(runs, painter, path)
@@ -101,7 +101,7 @@ class Dots:
         return theta[:, :4].reshape(-1, 2, 2) / 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(runs, tmp_path):
     import matplotlib.pyplot as plt
 
@@ -164,7 +164,7 @@ def test_densities_on_a_grid_are_not_mixed():
     plt.close(figure)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_overview(runs, painter, tmp_path):
     results = [
         Result(method, seed, scene, 100, 0.5, 0.5, 50 + 10 * seed, 30.0, 1000, 10)
@@ -276,7 +276,7 @@ def test_titles_lie_within_the_picture_and_beside_each_other(runs):
     assert not any(one.overlaps(other) for one, other in itertools.combinations(extents, 2))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("kind", plots.FORMATS)
 def test_pictures_of_every_format(runs, tmp_path, kind):
     path = tmp_path / f"curves.{kind}"

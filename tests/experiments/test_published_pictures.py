@@ -28,7 +28,7 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
 } | {f"experiments/gallery/figure_4_{k}.png": (("dr", "paired", "paired_literal"), (HALF, DENNIS)) for k in range(5, 9)}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_published_picture_has_the_colors_of_its_methods(name):
     methods, variants = PICTURES[name]

@@ -179,7 +179,7 @@ def test_a_table_that_is_wider_than_the_terminal_is_cut_into_blocks():
     assert len(align_within([["method", "", "a long scene"]], 5).splitlines()) == 2  # one column at least
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_mean_that_includes_the_training_levels_says_so():
     rows = two_methods()
     assert "mean and IQM over all scenes;" in Report(rows).text()

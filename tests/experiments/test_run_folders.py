@@ -74,6 +74,7 @@ def test_a_run_without_a_checkpoint_restarts_from_zero_with_any_budget(runs, tmp
     assert RunFolder.open(run).env_steps() == RunFolder.open(run).config.total_env_steps == 256
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("before", ["Another processor", "This one; another one", None])
 def test_a_run_records_each_kind_of_processor_that_trains_it(runs, tmp_path, capsys, before):
     run, here = tmp_path / "run", provenance.hardware()["processor"]

@@ -66,14 +66,14 @@ def test_a_policy_beats_the_random_one(name):
     assert ours.low > random.high + 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_policies_are_evaluated_by_name(capsys):
     code, shown = said(["evaluate", MAZE, "--episodes", "5", "--levels", "0"], capsys)
     assert code == 0 and "Labyrinth" in shown and "random" in shown
     assert regista.evaluate(MAZE, episodes=5).scenes
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_policies_are_listed(capsys):
     _, everything = said(["list"], capsys)
     assert all(name in everything for name in NAMES) and MAZE in said(["list", "maze"], capsys)[1]

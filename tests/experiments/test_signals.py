@@ -128,7 +128,7 @@ def test_commands_are_interrupted(tmp_path: Path):
     assert found["ended"] > 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_runs_end_with_whoever_started_them(tmp_path: Path):
     words = ["compare", "1v1Free", "--methods", "dr", "--seeds", "1", "--num-envs", "8", "--out", str(tmp_path)]
     compare = started(words)

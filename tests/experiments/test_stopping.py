@@ -132,6 +132,7 @@ def test_learning_with_very_many_minibatches_ends_and_is_resumed_to_the_same_num
     assert rows_of(run) == rows_of(alone)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", ["make", "step"])
 def test_an_evaluation_that_blocks_ends(tmp_path, alone, place):
     command = Command(tmp_path, ["evaluate", str(alone), "--episodes", "10", "--levels", "0"])
@@ -140,6 +141,7 @@ def test_an_evaluation_that_blocks_ends(tmp_path, alone, place):
     command.stop()
 
 
+@pytest.mark.long
 def test_an_evaluation_within_training_ends(tmp_path):
     run = tmp_path / "run"
     words = ["train", TASK, *TRAIN, "--eval-every", "100", "--eval-episodes", "1000000", "--out", str(run)]
@@ -157,6 +159,7 @@ def test_a_comparison_ends_with_its_processes(tmp_path):
     command.stop()
 
 
+@pytest.mark.long
 def test_a_comparison_whose_runs_are_not_heard_ends(tmp_path):
     (tmp_path / "make").touch()
     command = Command(tmp_path, [*COMPARE, "--out", str(tmp_path / "all")])
@@ -187,6 +190,7 @@ def test_long_work_ends(tmp_path, words):
         command.stop()
 
 
+@pytest.mark.long
 def test_the_compilation_of_kernels_ends(tmp_path):
     told = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path)}
     process = started(["play", "1v1Free"], env=told)

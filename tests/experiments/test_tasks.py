@@ -185,6 +185,7 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     assert "three" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(compare, "draw", lambda comparison, folder, kind: None)
     start, out = tmp_path / "start", tmp_path / "tuned"
@@ -213,16 +214,15 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert "dr-0 started with --kl-to-clone 0.0 --kl-share 0.5; it cannot continue with 1.0 and 0.5" in said
 
 
+@pytest.mark.long
 def test_a_program_that_trained_in_processes_ends(tmp_path):
     script = tmp_path / "push_script.py"
-    asynchronous = TASK.replace("kinds, num_envs)", 'kinds, num_envs, vectorization="async")').replace(
-        ', "other": make', ""
-    )
+    text = TASK.replace(', "other": make', "")
+    text = text.replace("kinds, num_envs)", 'kinds, num_envs, vectorization="async")')
     call = 'regista.train(push, "dr", out="run", total_env_steps=64, num_envs=2, record=False, eval_every=0)'
-    script.write_text(f"{asynchronous}\nif __name__ == '__main__':\n    import regista\n    {call}\n")
-    subprocess.run(
-        [sys.executable, script.name], cwd=tmp_path, timeout=60, check=True, env=os.environ | {"PYTHONPATH": str(ROOT)}
-    )
+    script.write_text(f"{text}\nif __name__ == '__main__':\n    import regista\n    {call}\n")
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, script.name], cwd=tmp_path, timeout=60, check=True, env=env)
     assert RunFolder.open(tmp_path / "run").env_steps() >= 64
 
 

@@ -21,7 +21,7 @@ GAME = "3v2FourBehaviors"
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--eval-every", "0", "--eval-episodes", "1", "--no-record"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_team_is_trained_gone_on_with_tested_and_carried_over(tmp_path, capsys):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     team = ["--control", "closest2", "--team", "shared", "--critic", "central", "--method", "dr"]
@@ -60,7 +60,7 @@ def test_what_does_not_fit_is_refused_in_one_sentence(flags, message, tmp_path, 
     assert not (tmp_path / "run" / "metrics.csv").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_student_of_another_number_of_agents_is_refused(tmp_path, capsys):
     run = tmp_path / "run"
     assert main(["train", GAME, "--out", str(run), "--total-env-steps", "64", "--control", "2", *SHORT]) == 0
@@ -115,6 +115,7 @@ def test_the_baselines_play_for_every_agent():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("control", "representation", "agents"),
     [

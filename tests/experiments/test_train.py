@@ -87,7 +87,7 @@ def test_the_settings_of_a_program_are_part_of_the_run(probe, tmp_path, capsys):
     assert "was trained with program.param = ('far=5', 'name=dusk')" in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_mixture_is_trained_and_recorded_by_program(tmp_path):
     """22 players beside 2: observations are padded, and each test is one program seen as in the mixture."""
     names = "grf/empty_goal_close+1v1Restricted"
@@ -362,6 +362,7 @@ SMALL_BUFFER = {  # so that levels are replayed within a short run
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("method", "form"), [("paired", "csv"), ("accel", "csv"), ("accel", "parquet")]
 )  # an adversary, a buffer of levels
@@ -385,7 +386,7 @@ def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, m
         assert replayed[-10:].sum() > 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_ctrl_c_on_a_real_run(tmp_path):
     process = regista(
         "train", *FOOTBALL, "--total-env-steps", "100_000_000", "--no-record", "--out", str(tmp_path / "run")

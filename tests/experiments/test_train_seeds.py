@@ -257,7 +257,7 @@ def test_runs_have_the_cores_that_this_process_has(monkeypatch: pytest.MonkeyPat
 # ---------------------------------------------------------------- evaluation
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_policies_evaluated_in_parallel_have_the_same_numbers(apart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     trust.allow(TASK[0])
     runs = seeds.opened(apart)

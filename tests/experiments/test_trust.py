@@ -79,7 +79,7 @@ def forged(run: Path, minigame: str) -> Path:
     return copy
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("command", READ)
 def test_no_command_runs_what_only_a_folder_names(run, command, capsys):
     evil = run.with_name("stranger") / "evil_task.py"
@@ -93,6 +93,7 @@ def test_no_command_runs_what_only_a_folder_names(run, command, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("place", ["inside", "beside", "relative", "dots", "link", "module", "package", "other name"])
 def test_however_it_is_named(run, place, tmp_path, capsys):
     downloads = tmp_path / "downloads"
@@ -211,6 +212,7 @@ def test_demonstrations_are_of_football_alone(run, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
 @pytest.mark.parametrize("what", ["pipe", "device"])
 def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
@@ -309,6 +311,7 @@ def test_a_score_that_fails_is_reported_in_one_sentence(body, code, sentence, tm
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("part", ["score", "network"])
 @pytest.mark.parametrize("command", ["evaluate", "resume", "from", "demonstrate"])
 def test_no_command_imports_a_part_that_only_a_folder_names(own_run, part, command, tmp_path, capsys):
@@ -423,7 +426,7 @@ def make(num_envs):
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_edited_task_is_warned_of(tmp_path, capsys):
     """Levels are rows of θ, so that other ranges give other levels: without a message, tables would join two tasks."""
     task = tmp_path / "edited.py"

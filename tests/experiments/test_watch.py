@@ -103,7 +103,7 @@ def test_evaluate_plays_whole_rounds_with_all_policies_alike(run, capsys):
     assert "rounds of 8 episodes on each of 4 scenes by each of 4 policies for at most 0.01 minutes" in told.err
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_other_rounds_are_of_other_episodes(run, capsys):
     rows = []
     for minutes in ("0.000001", "0.05"):

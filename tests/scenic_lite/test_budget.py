@@ -138,7 +138,7 @@ require f(x) > 1000
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_conditions_decided_scene_by_scene_share_one_budget():
     with pytest.raises(ScenicError) as caught:
         load(BRANCHING).sample(1, np.random.default_rng(0))

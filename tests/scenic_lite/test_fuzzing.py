@@ -30,7 +30,7 @@ def test_any_text(text, dialect):
     no_fault(text, dialect)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_many_programs_nobody_would_write():
     for i in range(3000):
         rng = random.Random(f"slow {i}")

@@ -115,6 +115,7 @@ def machine_list(*numbers):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(113)
 @pytest.mark.parametrize("seed", range(300))
 def test_formulas_in_sector_and_the_machines(seed):
     rng = np.random.default_rng(seed)

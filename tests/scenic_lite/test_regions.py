@@ -174,7 +174,7 @@ def test_what_regions_say(text, value):
     assert param(text, 3) == pytest.approx(value, abs=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_sizes_of_random_regions_are_not_preferred():
     """Each radius is as likely as any other, and the point is uniform in what it leaves: from real Scenic 3."""
     text = (
@@ -190,7 +190,7 @@ def test_sizes_of_random_regions_are_not_preferred():
     assert scenes.params["x"].mean() == pytest.approx(3.78, abs=0.08)  # of real Scenic 2, which rejects
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_random_corners():
     program = things("x = Range(5, 10)\nspot = new Thing in PolygonalRegion([0@0, x@0, 10@10])\nparam x = x", 3)
     _, scenes = program.sample(4000, np.random.default_rng(1))

@@ -126,7 +126,7 @@ def branching(before="", after="", result="total"):
     return SLOW.format(before=before, after=after, result=result)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_condition_that_branches_is_evaluated_only_where_the_rules_before_it_hold():
     _, scenes = drawn(branching(RARE), n=200)
     assert scenes.ok.all() and scenes.positions[:, 0, 0].min() > 10

@@ -79,7 +79,7 @@ def test_scenes_lead_back_to_their_theta(name):
     assert away < 1e-9 or name in AMBIGUOUS
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("dialect", [2, 3])
 def test_scenes_of_programs_from_elsewhere_lead_back(dialect):
     tried = 0

@@ -76,7 +76,7 @@ def test_a_row_is_all_that_others_need(toy):
     assert resumed.update()["student/policy_loss"] == method.update()["student/policy_loss"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_command_line_trains_it(toy, tmp_path):
     (tmp_path / "train.py").write_text(TRAIN.format(row=ROW))
     command = [sys.executable, "train.py", "train", "1v1Restricted", "--method", "toy", "--toy.reluctance", "0.25"]

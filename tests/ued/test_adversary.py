@@ -116,7 +116,7 @@ def test_densities_of_one_hump_are_relative_to_the_uniform(distribution):
     assert np.exp(log_prob.numpy()[inside]).mean() == pytest.approx(density, rel=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
     config, rng = AdversaryConfig(), np.random.default_rng(0)
     columns, own = (Column("program", Choice("a", "b", "c")), *numbered("x", 2)), (numbered("x", 2),) * 3
@@ -132,7 +132,7 @@ def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
     assert math.isfinite(metrics["entropy"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_without_entropy_the_proposals_collapse():
     runs = [taught(AdversaryConfig(ent_coef=0.0), seed=seed) for seed in range(3)]
     theta, _ = runs[0]
@@ -142,7 +142,7 @@ def test_without_entropy_the_proposals_collapse():
     assert np.median(entropies) < -2.5  # of uniform proposals it is 1.4; rounding decides how far a single run gets
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("distribution", "ent_coef", "spread", "entropy"),
     [
@@ -160,14 +160,14 @@ def test_with_an_entropy_bonus_they_keep_their_spread_and_still_move(distributio
     assert (np.abs(theta) > 0.95).mean() < 0.05  # and do not flee into the corners
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_pure_entropy_keeps_them_uniform():
     theta, metrics = taught(AdversaryConfig(ent_coef=1.0), of=lambda theta, rng: rng.normal(size=len(theta)))
     assert theta.std(0) == pytest.approx([UNIFORM_STD, UNIFORM_STD], abs=0.06)
     assert metrics["entropy"] == pytest.approx(2 * math.log(2), abs=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_learning_does_not_depend_on_the_unit_of_regret():
     one, _ = taught(AdversaryConfig(), updates=40)
     other, _ = taught(AdversaryConfig(), updates=40, of=lambda theta, rng: 1000 * landscape(theta, rng) - 300)

@@ -159,6 +159,7 @@ def test_proposals_that_wait_are_few():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("builder", ["direct", "steps"])
 @pytest.mark.parametrize("name", TEACHING)
 def test_every_teacher_runs_on_mazes(name, builder):
@@ -173,6 +174,7 @@ def test_every_teacher_runs_on_mazes(name, builder):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["paired", "repaired", "minimax"])
 def test_every_teacher_runs_on_the_mazes_of_the_example(name):
     path = Path(__file__).parent.parent.parent / "examples" / "own_levels.py"

@@ -20,7 +20,7 @@ def cartpole(num_envs=16, theta=RANGES, apply=put):
     return GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), apply, theta, num_envs)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_ppo_solves_cartpole():
     method = DR(cartpole(theta=0, apply=lambda env, values: None), PPO, seed=0)
     while method.env_steps < 50_000:

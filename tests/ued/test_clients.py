@@ -181,7 +181,7 @@ def test_stable_baselines_is_told_of_the_end_of_an_episode():
     assert env.get_attr("theta_dim") == [1, 1] and env.env_is_wrapped(object) == [False, False]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_pools_of_threads_wait_passively_if_ued_comes_before_torch():
     asked = "import os, ued; from ued import PPO; print(os.environ.get('OMP_WAIT_POLICY'))"
     found = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, env={"PATH": ""}, check=True)

@@ -41,6 +41,7 @@ def cloned(cloner, data, held_out):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("agents", [1, 3])
 def test_a_student_learns_what_was_done(agents):
     cloner = Cloner(student(agents), CloningConfig(epochs=30, learning_rate=5e-3), torch_generator(1))

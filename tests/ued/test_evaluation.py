@@ -27,6 +27,7 @@ def student_for(env):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("num_envs", "episodes"), [(4, 203), (16, 5), (7, 7), (1, 6)])
 def test_every_episode_is_played_to_its_end(num_envs, episodes):
     env = Lengths(num_envs)

@@ -56,6 +56,7 @@ def test_the_table_has_every_method():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("name", METHODS)
 def test_a_method_trains_on_a_family_or_refuses_it_as_the_page_says(name, family):

@@ -112,7 +112,7 @@ def test_a_copy_goes_on_alone() -> None:
         assert adam.weights[0] is net[0].weight and torch.equal(flat(net), before)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_optimizer_imports_the_compiler_of_torch():
     """The import would take a fifth of the processor time of a short run."""
     lines = (

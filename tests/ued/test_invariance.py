@@ -130,7 +130,7 @@ def option_pays(draw):
     return lambda theta: (np.abs(theta[:, 0] - middle) < 1e-6).astype(float)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_rare_option_is_found_wherever_it_stands_in_the_list():
     lists = [choice(1, 25, 25), choice(25, 1, 25), choice(25, 25, 1)]
     first, middle, last = (
@@ -142,7 +142,7 @@ def test_a_rare_option_is_found_wherever_it_stands_in_the_list():
         assert_alike(one, other)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_gaussian_of_the_thesis_does_not_find_it_in_the_middle():
     draw, config = choice(25, 1, 25), AdversaryConfig(ent_coef=0.1, distribution="tanh_gaussian")
     ends = curves((draw, *numbered("x", 2)), option_pays(draw), 0, config)[:, -1]
@@ -171,7 +171,7 @@ def test_a_band_is_found_alike_in_a_range_cut_in_two():
     assert_alike(one, other, margin=0.25)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_choice_and_what_matters_only_inside_it_are_learned_together():
     """What pays is one end of x under one option, and the other end under the other."""
     draws = (Draw("side", (1, 1), ("left", "right")), *numbered("x", 1))

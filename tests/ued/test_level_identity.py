@@ -218,6 +218,7 @@ def trained(method, adapter, updates=6):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("method", "adapter"), CASES)
 def test_every_episode_of_a_level_starts_alike(method, adapter):
     starts = trained(method, adapter)

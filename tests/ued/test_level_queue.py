@@ -166,7 +166,7 @@ def test_without_a_lead_a_compiled_rollout_takes_no_level_either(students):
     assert [queue.of(student).most() for student in range(students)] == [0] * students
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("blocks", [False, True])
 def test_repaired_counts_the_replays_that_are_played(blocks):
     settings = RepairedConfig(min_fill=0.004, buffer=BufferConfig(capacity=5000))  # forgets none

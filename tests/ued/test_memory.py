@@ -61,7 +61,7 @@ def trained(memory, updates):
     return method.student, metrics
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_gru_solves_a_maze_whose_sign_must_be_remembered_and_a_feed_forward_student_cannot():
     student, metrics = trained("gru", 60)
     assert metrics["return_100/student"] > 0.9
@@ -104,6 +104,7 @@ SEVERAL = [(3, *each) for each in ARRANGEMENTS]
 
 
 @pytest.mark.slow
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("agents", "team", "critic"), [(1, "independent", "own"), *SEVERAL])
 @pytest.mark.parametrize("shared_torso", [False, True])
 def test_looking_back_it_thinks_what_it_thought(agents, team, critic, shared_torso):
@@ -143,6 +144,7 @@ def test_the_end_that_is_cut_off_is_valued_by_who_remembers():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.parametrize("make", [Landscape, Roles])
 def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tmp_path):

@@ -117,6 +117,7 @@ QUICK = (
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in METHODS]
 )
@@ -139,6 +140,7 @@ def test_updates_count_all_steps_and_resume_bit_for_bit(name, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", ["robust_plr", "accel", "cenie", "plr_cenie", "repaired"])
 def test_robust_methods_learn_nothing_from_new_levels(name):
     method = METHODS[name](frontier(4))

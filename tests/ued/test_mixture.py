@@ -126,6 +126,7 @@ class Constantly:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "make",
     [

@@ -160,7 +160,7 @@ def frontier():
     return Frontier(16, longest=8, dim=3)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_all_steps_count_and_the_student_learns_from_levels_drawn_from_y():
     method, shares = NCC(frontier(), PPO, NCCConfig(capacity=24, episodes_per_level=2), seed=0, env_steps=40_000), []
     for update in range(60):

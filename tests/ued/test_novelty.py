@@ -214,7 +214,7 @@ class Corners(Probe):
         return np.zeros(self.num_envs), self.everyone, ~self.everyone
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("base", ["plr", "accel"])
 def test_levels_that_lead_to_rare_states_are_replayed_more(base):
     shares = {}

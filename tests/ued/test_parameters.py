@@ -239,6 +239,7 @@ def mixed(dim):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(21)
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.parametrize("dim", [1, 5, pytest.param(10_000, marks=[pytest.mark.slow, pytest.mark.long])])
 def test_theta_of_any_size_and_mixture_through_every_method(name, dim):

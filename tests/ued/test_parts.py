@@ -224,7 +224,7 @@ class Arrow(Probe):
         )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_ppo_learns_from_an_image_and_another_part():
     config = PPOConfig(num_steps=32, num_minibatches=4, learning_rate=5e-3, hidden_size=32, ent_coef=0.0)
     method = DR(Arrow(), config, seed=0)

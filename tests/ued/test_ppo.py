@@ -77,7 +77,7 @@ def test_a_time_limit_is_no_ending():
     assert value(student, 0.0) == pytest.approx(5.0, abs=0.25)  # as a termination it would be worth about 2.3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_value_can_be_clipped_torsos_shared_and_updates_stopped():
     config = dataclasses.replace(QUICK, clip_vloss=True, shared_torso=True, target_kl=0.02)
     student, _ = train(Follow(), config=config)

@@ -148,6 +148,7 @@ def ways(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("regularized", [False, True])
 @pytest.mark.parametrize("settings", SETTINGS)
 def test_students_learn_the_same_by_hand_from_the_closed_form_and_from_autograd(settings, regularized, monkeypatch):

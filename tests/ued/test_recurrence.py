@@ -127,6 +127,7 @@ SEVERAL = [(3, *each) for each in ARRANGEMENTS]
 
 
 @pytest.mark.slow
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(("agents", "team", "critic"), [(1, "independent", "own"), *SEVERAL])
 @pytest.mark.parametrize("shared_torso", [False, True])
 @pytest.mark.parametrize("bptt_steps", [1, 4])

@@ -130,6 +130,7 @@ def test_what_a_student_learns_does_not_depend_on_the_unit_of_rewards():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("score", ["max_mc", "positive_value_loss", "mna"])
 def test_returns_and_scores_are_in_raw_units(score):
     config = PLRConfig(score=score, buffer=BufferConfig(capacity=32))

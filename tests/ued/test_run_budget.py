@@ -87,6 +87,7 @@ def test_without_a_budget_a_few_levels_of_each_environment_are_enough():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize("name", BUFFERED)
 def test_students_learn_in_a_run_that_fills_no_buffer(name, known):
@@ -102,6 +103,7 @@ def test_students_learn_in_a_run_that_fills_no_buffer(name, known):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize("name", ["paired", "repaired"])
 def test_the_adversary_learns_in_a_run_of_few_levels(name, known):
@@ -111,7 +113,7 @@ def test_the_adversary_learns_in_a_run_of_few_levels(name, known):
     assert lessons >= (2 if known else 1)  # once there were none
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_typed_is_respected():
     total = 60 * LONG
     for name, settings in (("accel", ACCELConfig(min_fill=0.5)), ("robust_plr", PLRConfig(min_fill=1.0))):
@@ -127,6 +129,7 @@ def test_what_is_typed_is_respected():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*BUFFERED, "paired"])
 def test_a_run_that_is_resumed_begins_at_the_same_step(name):
     total = 60 * LONG * LEVELS[name]

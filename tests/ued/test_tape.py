@@ -40,6 +40,7 @@ def test_a_tape_that_nobody_reads_stays_small():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("students", [2, 3])
 def test_every_level_that_a_method_reports_is_on_the_tapes(students):
     config = PairedConfig(students=students, roles="population")

@@ -160,7 +160,7 @@ def share(team, agent, config, spaces):
     return single
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)
 def test_a_team_learns_what_each_of_it_is_to_do(team, critic):
     env = Roles()
@@ -172,7 +172,7 @@ def test_a_team_learns_what_each_of_it_is_to_do(team, critic):
     assert method.student.play(seen, torch_generator(0), greedy=True).tolist() == [[1, 0, 1], [0, 1, 0]]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("team", ["independent", "shared"])
 def test_only_a_central_critic_knows_what_no_agent_sees_alone(team):
     for critic in ("own", "central"):
@@ -204,6 +204,7 @@ def test_what_a_team_did_is_told_by_agent():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", METHODS)
 def test_every_method_trains_teams_and_resumes_to_the_same_numbers(name):
     row = METHODS[name]
@@ -339,7 +340,7 @@ class Opponents(Roles):
         return observation, own[:, 0], *over, info | {"agent_rewards": own}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("team", ["independent", "shared"])
 def test_opponents_learn_each_from_what_it_is_paid(team):
     method = DR(Opponents(64), dataclasses.replace(QUICK, team=team), seed=0)

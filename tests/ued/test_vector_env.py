@@ -91,6 +91,7 @@ def _reference():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("apply", ["each", put_all])
 @pytest.mark.parametrize("mode", MODES)
 def test_a_sync_vector_env_trains_as_its_single_environments(mode, apply, reference):
@@ -98,6 +99,7 @@ def test_a_sync_vector_env_trains_as_its_single_environments(mode, apply, refere
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("mode", MODES)
 def test_an_async_vector_env_trains_as_its_single_environments(mode, reference):
     assert_alike(trained(VectorUPOMDP(asynchronous(mode), "each", KINDS, 4)), reference)

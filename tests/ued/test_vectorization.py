@@ -83,7 +83,7 @@ def test_a_level_reaches_its_own_environment_in_another_process(both):
     assert apart.vector.get_attr("length") == pytest.approx((0.2, 2.0, 2.0))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_processes_give_no_state_and_training_resumes_without_it(both, tmp_path):
     with pytest.raises(NotImplementedError, match='support no state; use vectorization="sync"'):
         both[1].get_state()
@@ -103,6 +103,7 @@ def test_another_kind_is_refused():
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "make", [DR, lambda env, ppo: PLR(env, ppo, PLRConfig(buffer=BufferConfig(capacity=4))), Paired]
 )

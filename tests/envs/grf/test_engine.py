@@ -47,6 +47,7 @@ def keys(env: FootballVectorEnv, seed: int, steps: int) -> list[np.ndarray]:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("representation", ["features", "simple115", "smm", "smm_stacked"])
 def test_observations_are_those_of_our_own_simulator(python, representation):
     real, ours = (
@@ -127,6 +128,7 @@ def test_a_state_of_the_simulator_is_refused(python):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -40,6 +40,7 @@ def test_episodes_do_not_depend_on_the_number_of_workers(tmp_path, undisturbed):
     assert not (undisturbed[0] == undisturbed[-1]).any()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("what", ["die", "hang", "garbage"])
 def test_an_episode_is_repeated_where_its_worker_is_gone(tmp_path, monkeypatch, undisturbed, what):
     monkeypatch.setattr(workers, "ANSWER_SECONDS", 2.0)
@@ -152,6 +153,7 @@ def start_parent(python: Path, then: str) -> tuple[subprocess.Popen, int]:
     return parent, int(parent.stdout.readline())
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, None])
 def test_no_worker_outlives_us(tmp_path, how):
     """However we end, by a signal or by ourselves."""

@@ -86,6 +86,7 @@ def seeds(count, quick):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", seeds(60, quick=12))
 def test_generated_programs_give_the_same_commands(seed):
     text = generated(seed)
@@ -112,6 +113,7 @@ def test_more_generated_scenarios_give_the_same_commands(seed):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(17)
 @pytest.mark.parametrize("path", sorted(OPEN.glob("dyn_*.scenic")), ids=lambda path: path.stem)
 def test_open_oracle_programs_give_the_same_commands(path):
     text = path.read_text()
@@ -150,6 +152,7 @@ def random_worlds(rng: np.random.Generator, objects: int, steps: int):
 
 
 @pytest.mark.slow
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("path", list(sampled(DYNAMIC)))
 def test_football_programs_give_the_same_commands(path):
     program = load(path, FOOTBALL)

@@ -19,6 +19,7 @@ from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 
 @pytest.mark.slow
+@pytest.mark.sample(26)
 @pytest.mark.parametrize("name", sorted(BODIES))
 def test_the_machine_does_as_the_reference(name):
     found, compiled = differences(program(name), range(6), steps=20)

@@ -93,7 +93,7 @@ def text_of(body: str) -> str:
     return text + "ball = Ball at 2 @ 0\n"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", sorted(BODIES))
 def test_a_behavior_among_22_players_gives_the_same_commands(name: str) -> None:
     program = load(text_of(BODIES[name]), FOOTBALL)
@@ -116,6 +116,7 @@ def test_a_long_list_is_copied_by_one_row() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.sample(24)
 @pytest.mark.parametrize("seed", range(900, 930))
 def test_loops_over_objects_share_their_rows_with_the_same_commands(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lists, "MANY", 2)

@@ -51,7 +51,7 @@ def test_a_slot_that_holds_no_row_is_a_fault() -> None:
         assert registers[FAULT] == INDEX_ERROR
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_code_and_registers_with_a_number_changed() -> None:
     counts = attack(3000, 0)
     assert counts[REFUSED] > 300 and counts[RAN] > 1000
