@@ -90,6 +90,7 @@ def cases():
                 yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 
 
+@pytest.mark.sample(200)
 @pytest.mark.slow
 @pytest.mark.parametrize(("folder", "dialect", "name"), list(cases()))
 def test_program_agrees_with_real_scenic(folder, dialect, name):

@@ -88,6 +88,7 @@ def parts_of(name):
                 continue
 
 
+@pytest.mark.sample(20)
 @pytest.mark.slow
 @pytest.mark.skipif(sys.version_info >= (3, 12), reason="a newer library is written in a newer grammar")
 @pytest.mark.parametrize(
