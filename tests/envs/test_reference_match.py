@@ -74,16 +74,16 @@ def ending(moment) -> int:
     return moment.ended
 
 
-@pytest.mark.sample(3)
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("folder", "part"), SAMPLES)
 def test_compiled_behaviors_play_as_the_reference_does(folder: str, part: str) -> None:
     for path in sample(folder, part):
         both_play(path, 1, 300)
 
 
-@pytest.mark.sample(3)
 @pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("folder", "part"), SAMPLES)
 def test_the_single_environment_plays_as_the_batch_does(folder: str, part: str) -> None:
     for path in sample(folder, part):

@@ -90,8 +90,8 @@ def cases():
                 yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 
 
-@pytest.mark.sample(200)
 @pytest.mark.slow
+@pytest.mark.sample(200)
 @pytest.mark.parametrize(("folder", "dialect", "name"), list(cases()))
 def test_program_agrees_with_real_scenic(folder, dialect, name):
     path = folder / f"{name}.scenic"

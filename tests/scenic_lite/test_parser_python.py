@@ -88,8 +88,8 @@ def parts_of(name):
                 continue
 
 
-@pytest.mark.sample(20)
 @pytest.mark.slow
+@pytest.mark.sample(20)
 @pytest.mark.skipif(sys.version_info >= (3, 12), reason="a newer library is written in a newer grammar")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if k % 6 else []) for k, name in enumerate(MODULES)]

@@ -117,8 +117,8 @@ def gap(a, b):
     return np.abs(below[0] - below[1]).max()
 
 
-@pytest.mark.sample(4)
 @pytest.mark.slow
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in PRUNED]
 )

@@ -228,8 +228,8 @@ def test_every_episode_of_a_level_starts_alike(method, adapter):
         assert replayed > 2, "no level was visited again, so that this test says nothing"
 
 
-@pytest.mark.sample(10)
 @pytest.mark.slow
+@pytest.mark.sample(10)
 @pytest.mark.parametrize(("method", "adapter"), CASES)
 def test_luck_is_the_same_for_all_students_and_new_otherwise(method, adapter):
     starts, episodes, students = trained(method, adapter), 0, 0
